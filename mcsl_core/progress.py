@@ -1,0 +1,103 @@
+"""Progress of long work, for people and for programs, and the token by which it is stopped.
+
+A stage has a name, a total in some unit (or None when unknown) and an absolute count of what is done.
+As JSON lines: {"stage": ..., "total": ..., "unit": ...}, {"done": ...}, {"note": ...}, {"result": {...}}, {"error": {...}}.
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from collections.abc import Mapping
+from typing import IO, Any, Protocol
+
+from attrs import define, field
+
+from .errors import Cancelled
+
+
+class Progress(Protocol):
+    """Where stages report to. Every method may raise `Cancelled`: the work must then leave nothing half-written."""
+
+    def stage(self, name: str, total: int | None = None, unit: str = "") -> None:
+        """A new stage begins; the one before has ended."""
+        ...
+
+    def advance(self, done: int) -> None:
+        """``done`` units of the current stage (an absolute count) are finished."""
+        ...
+
+    def note(self, text: str) -> None:
+        """Something a person should know: a weak camera, a gap, a decision."""
+        ...
+
+
+@define
+class CancelToken:
+    """Set from another thread or a signal handler; read by the work at every report of progress."""
+
+    _event: threading.Event = field(factory=threading.Event)
+
+    def cancel(self) -> None:
+        self._event.set()
+
+    def check(self) -> None:
+        """Raises `Cancelled` once `cancel` was called."""
+        if self._event.is_set():
+            raise Cancelled
+
+
+@define
+class Silent:
+    """Reports nothing; still stops when asked to."""
+
+    token: CancelToken = field(factory=CancelToken)
+
+    def stage(self, name: str, total: int | None = None, unit: str = "") -> None:
+        self.token.check()
+
+    def advance(self, done: int) -> None:
+        self.token.check()
+
+    def note(self, text: str) -> None:
+        self.token.check()
+
+
+@define
+class JsonLines:
+    """One JSON object a line, flushed at once; at most ``per_second`` counts a second, the last of a stage always."""
+
+    stream: IO[str]
+    token: CancelToken = field(factory=CancelToken)
+    per_second: float = 10.0
+    _total: int | None = None
+    _last: float = 0.0
+
+    def send(self, message: Mapping[str, Any]) -> None:
+        self.stream.write(json.dumps(message, ensure_ascii=False) + "\n")
+        self.stream.flush()
+
+    def stage(self, name: str, total: int | None = None, unit: str = "") -> None:
+        self.token.check()
+        self._total, self._last = total, 0.0
+        self.send({"stage": name, "total": total, "unit": unit})
+
+    def advance(self, done: int) -> None:
+        self.token.check()
+        now = time.monotonic()
+        if done == self._total or now - self._last >= 1 / self.per_second:
+            self._last = now
+            self.send({"done": done})
+
+    def note(self, text: str) -> None:
+        self.token.check()
+        self.send({"note": text})
+
+    def result(self, values: Mapping[str, Any]) -> None:
+        """What the command made, as the last message of a success."""
+        self.send({"result": dict(values)})
+
+    def error(self, what: str, where: str = "", remedy: str = "", exit_code: int = 4) -> None:
+        """Why the command ended, as the last message of a failure."""
+        self.send({"error": {"what": what, "where": where, "remedy": remedy, "exit_code": exit_code}})

@@ -1,0 +1,112 @@
+"""Exact time: rates are fractions, ranges are half-open [start, stop) frame ranges, frame n stands at n / rate."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from fractions import Fraction
+from math import floor
+from typing import TypeVar
+
+from attrs import frozen
+
+T = TypeVar("T")
+
+
+def parse_rate(text: str) -> Fraction:
+    """Frames per second from ``"30000/1001"``, ``"25"`` or ``"29.97"``; ValueError when not a positive rate.
+
+    The usual decimal spellings of NTSC rates (23.976, 29.97, 59.94) become their exact fractions.
+    """
+    ntsc = {"23.976": 24, "23.98": 24, "29.97": 30, "47.95": 48, "59.94": 60, "119.88": 120}
+    text = text.strip()
+    try:
+        rate = Fraction(ntsc[text] * 1000, 1001) if text in ntsc else Fraction(text)
+    except (ValueError, ZeroDivisionError):
+        raise ValueError(f"expected a rate such as '30000/1001' or '25', got {text!r}") from None
+    if rate <= 0:
+        raise ValueError(f"a rate must be positive, got {text!r}")
+    return rate
+
+
+def format_rate(rate: Fraction) -> str:
+    """The canonical spelling: ``"25/1"``-like rates lose the denominator 1."""
+    return str(rate)
+
+
+def frame_at(time_s: Fraction, rate: Fraction) -> int:
+    """The frame shown at ``time_s``: the latest whose time n / rate has come."""
+    return floor(time_s * rate)
+
+
+def time_of(frame: int, rate: Fraction) -> Fraction:
+    """The time in seconds at which ``frame`` begins to be shown."""
+    return Fraction(frame) / rate
+
+
+def format_time(time_s: float | Fraction) -> str:
+    """``h:mm:ss.d`` for people."""
+    tenths = round(float(time_s) * 10)
+    sign, tenths = ("-", -tenths) if tenths < 0 else ("", tenths)
+    return f"{sign}{tenths // 36000}:{tenths // 600 % 60:02d}:{tenths // 10 % 60:02d}.{tenths % 10}"
+
+
+@frozen(order=True)
+class FrameRange:
+    """Frames start, start + 1, ..., stop - 1; never empty."""
+
+    start: int
+    stop: int
+
+    def __attrs_post_init__(self) -> None:
+        if self.start < 0:
+            raise ValueError(f"a range starts at 0 or later, got [{self.start}, {self.stop}]")
+        if self.stop <= self.start:
+            raise ValueError(f"a range ends after it starts, got [{self.start}, {self.stop}]")
+
+    def __len__(self) -> int:
+        return self.stop - self.start
+
+    def __contains__(self, frame: int) -> bool:
+        return self.start <= frame < self.stop
+
+    def __iter__(self) -> Iterator[int]:
+        return iter(range(self.start, self.stop))
+
+    def __str__(self) -> str:
+        return f"[{self.start}, {self.stop})"
+
+    def intersection(self, other: FrameRange) -> FrameRange | None:
+        """The frames in both, or None."""
+        start, stop = max(self.start, other.start), min(self.stop, other.stop)
+        return FrameRange(start, stop) if start < stop else None
+
+
+def check_tiles(ranges: Iterable[FrameRange], frames: int, what: str) -> None:
+    """ValueError unless ``ranges`` cover [0, frames) in order without gap or overlap."""
+    at = 0
+    for index, piece in enumerate(ranges):
+        if piece.start != at:
+            fault = "gap" if piece.start > at else "overlap"
+            raise ValueError(f"{what} must tile [0, {frames}): {fault} at frame {at}, {what}[{index}] is {piece}")
+        at = piece.stop
+    if at != frames:
+        raise ValueError(f"{what} must tile [0, {frames}): they end at frame {at}")
+
+
+def cut_points(frames: int, ranges: Iterable[FrameRange]) -> list[int]:
+    """0, ``frames`` and every range end inside, sorted: between two neighbours no range begins or ends."""
+    points = {0, frames}
+    for piece in ranges:
+        points.update(p for p in (piece.start, piece.stop) if 0 < p < frames)
+    return sorted(points)
+
+
+def merge_equal(pieces: Sequence[tuple[FrameRange, T]]) -> list[tuple[FrameRange, T]]:
+    """Neighbouring pieces with equal values joined into one."""
+    merged: list[tuple[FrameRange, T]] = []
+    for piece, value in pieces:
+        if merged and merged[-1][1] == value and merged[-1][0].stop == piece.start:
+            merged[-1] = (FrameRange(merged[-1][0].start, piece.stop), value)
+        else:
+            merged.append((piece, value))
+    return merged
