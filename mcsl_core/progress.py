@@ -1,7 +1,8 @@
 """Progress of long work, for people and for programs, and the token by which it is stopped.
 
 A stage has a name, a total in some unit (or None when unknown) and an absolute count of what is done.
-As JSON lines: {"stage": ..., "total": ..., "unit": ...}, {"done": ...}, {"note": ...}, {"result": {...}}, {"error": {...}}.
+As JSON lines: {"stage": ..., "total": ..., "unit": ...}, {"done": ...}, {"note": ...}, {"result": {...}},
+{"error": {...}}.
 """
 
 from __future__ import annotations
