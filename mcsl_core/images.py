@@ -1,0 +1,180 @@
+"""Small shared image operations on BGR pictures and on planar 4:2:0 pictures.
+
+BGR pictures are (H, W, 3) uint8, full range. `Planes` are BT.709 limited range (black 16, white 235, grey chroma
+128), chroma sited as MPEG-2 and H.264 do by default: a chroma sample lies on the even luma column and halfway
+between two luma rows. Pixel centres lie at integers (OpenCV's convention).
+"""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+from attrs import field, frozen
+from numpy.typing import NDArray
+
+U8 = NDArray[np.uint8]
+BLACK = (16, 128, 128)
+
+# [Y', Cb, Cr] = M @ [B, G, R, 1], BT.709 limited range, 8-bit codes.
+_KR, _KB = 0.2126, 0.0722
+_KG = 1 - _KR - _KB
+BGR_TO_YUV: NDArray[np.float64] = np.array(
+    [
+        [_KB * 219 / 255, _KG * 219 / 255, _KR * 219 / 255, 16],
+        [0.5 * 224 / 255, -0.5 * _KG / (1 - _KB) * 224 / 255, -0.5 * _KR / (1 - _KB) * 224 / 255, 128],
+        [-0.5 * _KB / (1 - _KR) * 224 / 255, -0.5 * _KG / (1 - _KR) * 224 / 255, 0.5 * 224 / 255, 128],
+    ]
+)
+_inverse = np.linalg.inv(BGR_TO_YUV[:, :3])
+YUV_TO_BGR: NDArray = np.hstack([_inverse, -_inverse @ BGR_TO_YUV[:, 3:]])
+
+
+def _plane(_: object, attribute: object, value: U8) -> None:
+    if value.ndim != 2 or value.dtype != np.uint8:
+        raise ValueError(f"a plane is a 2-D uint8 array, got {value.dtype} of shape {value.shape}")
+
+
+@frozen(eq=False)
+class Planes:
+    """One picture as 4:2:0 planes, uint8: ``y`` (H, W), ``u``, ``v`` (H/2, W/2); H and W even. Treat as read-only."""
+
+    y: U8 = field(validator=_plane)
+    u: U8 = field(validator=_plane)
+    v: U8 = field(validator=_plane)
+
+    def __attrs_post_init__(self) -> None:
+        height, width = self.y.shape
+        if height % 2 or width % 2 or self.u.shape != (height // 2, width // 2) or self.v.shape != self.u.shape:
+            raise ValueError(f"4:2:0 planes need an even size and half-size chroma, got {self.y.shape}, {self.u.shape}")
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(width, height) in luma pixels."""
+        return self.y.shape[1], self.y.shape[0]
+
+    def __iter__(self):
+        return iter((self.y, self.u, self.v))
+
+
+def black(size: tuple[int, int]) -> Planes:
+    """A black picture of ``size`` (width, height)."""
+    width, height = size
+    half = (height // 2, width // 2)
+    y, u, v = BLACK
+    return Planes(np.full((height, width), y, np.uint8), np.full(half, u, np.uint8), np.full(half, v, np.uint8))
+
+
+def bgr_to_planes(picture: U8) -> Planes:
+    """BT.709 limited planes of a BGR picture of even size.
+
+    The chroma sample on column 2i is [1 2 1]/4 of its neighbours, so that it lies where a player expects it; swscale
+    would average columns 2i and 2i+1 and shift the colours by half a pixel.
+    """
+    height, width = picture.shape[:2]
+    if height % 2 or width % 2:
+        raise ValueError(f"4:2:0 needs an even size, got {width}x{height}")
+    half = (width // 2, height // 2)
+    shifted = cv2.copyMakeBorder(picture, 0, 0, 1, 0, cv2.BORDER_REPLICATE)[:, :width]
+    at_even = cv2.addWeighted(
+        cv2.resize(picture, half, interpolation=cv2.INTER_AREA),
+        0.5,
+        cv2.resize(shifted, half, interpolation=cv2.INTER_AREA),
+        0.5,
+        0,
+    )
+    y = cv2.transform(picture, BGR_TO_YUV[:1]).reshape(height, width)
+    chroma = cv2.transform(at_even, BGR_TO_YUV[1:])
+    u, v = cv2.split(chroma)
+    return Planes(y, u, v)  # pyright: ignore[reportArgumentType]
+
+
+def planes_to_bgr(planes: Planes, *, height: int | None = None) -> U8:
+    """The BGR picture of ``planes``, reduced to ``height`` (area average, aspect kept, never enlarged).
+
+    Reduced pictures are about twice as cheap as full ones; their chroma is placed to a quarter of a pixel.
+    """
+    width, full = planes.size
+    if height is not None and height < full:
+        size = reduced_size((width, full), height)
+        y = cv2.resize(planes.y, size, interpolation=cv2.INTER_AREA)
+        u, v = (_resize_plane(p, size) for p in (planes.u, planes.v))
+    else:
+        y = planes.y
+        u, v = (upsample_chroma(p) for p in (planes.u, planes.v))
+    return cv2.transform(cv2.merge([y, u, v]), YUV_TO_BGR)  # pyright: ignore[reportReturnType]
+
+
+def reduced_size(size: tuple[int, int], height: int) -> tuple[int, int]:
+    """``size`` (width, height) at ``height`` rows with its aspect kept; never larger than it was."""
+    if height >= size[1]:
+        return size
+    return max(1, round(size[0] * height / size[1])), max(1, height)
+
+
+def _resize_plane(plane: U8, size: tuple[int, int]) -> U8:
+    if plane.shape == (size[1], size[0]):
+        return plane
+    shrinks = size[0] < plane.shape[1]
+    return cv2.resize(plane, size, interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR)  # pyright: ignore
+
+
+def upsample_chroma(plane: U8) -> U8:
+    """A (H/2, W/2) chroma plane at luma positions, linear, from where MPEG-2 siting puts its samples."""
+    height, width = plane.shape
+    # luma x -> chroma x / 2; luma y -> chroma (y - 0.5) / 2
+    matrix = np.array([[0.5, 0, 0], [0, 0.5, -0.25]])
+    return cv2.warpAffine(  # pyright: ignore[reportReturnType]
+        plane,
+        matrix,
+        (2 * width, 2 * height),
+        flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+        borderMode=cv2.BORDER_REPLICATE,
+    )
+
+
+def resize_planes(planes: Planes, size: tuple[int, int]) -> Planes:
+    """``planes`` at even ``size`` (width, height): area average when it shrinks, linear when it grows."""
+    if planes.size == size:
+        return planes
+    half = (size[0] // 2, size[1] // 2)
+    return Planes(_resize_plane(planes.y, size), _resize_plane(planes.u, half), _resize_plane(planes.v, half))
+
+
+def psnr(a: NDArray, b: NDArray, mask: NDArray | None = None) -> float:
+    """Peak signal-to-noise ratio in dB of two 8-bit pictures of one shape; infinite when they are equal.
+
+    mask: (H, W), only pixels where it is non-zero count.
+    """
+    if a.shape != b.shape:
+        raise ValueError(f"pictures of different shape: {a.shape} and {b.shape}")
+    difference = a.astype(np.float64) - b
+    if mask is not None:
+        difference = difference[mask != 0]
+    error = float(np.mean(difference**2)) if difference.size else math.nan
+    return math.inf if error == 0 else 10 * math.log10(255**2 / error)
+
+
+def hue_mask(picture: U8, *, saturation: int = 60, value: int = 40) -> U8:
+    """(H, W) uint8, 255 where the BGR picture shows the surgical field's reds, after the paper.
+
+    Hue 0-30 or 150-179 on OpenCV's scale of 180. Nearly grey and nearly black pixels have no meaningful hue and are
+    left out: ``saturation`` and ``value`` are their least values, 0..255.
+    """
+    hsv = cv2.cvtColor(picture, cv2.COLOR_BGR2HSV)
+    low = cv2.inRange(hsv, (0, saturation, value), (30, 255, 255))  # pyright: ignore
+    high = cv2.inRange(hsv, (150, saturation, value), (179, 255, 255))  # pyright: ignore
+    return cv2.bitwise_or(low, high)  # pyright: ignore[reportReturnType]
+
+
+def feathered(mask: U8, width_px: float) -> U8:
+    """A soft (H, W) uint8 mask: 0 outside ``mask``, rising to 255 at ``width_px`` pixels inside its edge.
+
+    The picture's own edge is no edge of the mask.
+    """
+    if width_px <= 0:
+        return np.where(mask != 0, 255, 0).astype(np.uint8)
+    distance = cv2.distanceTransform(np.where(mask != 0, 255, 0).astype(np.uint8), cv2.DIST_L2, 5)
+    ramp = np.clip(distance / width_px, 0, 1)
+    return np.round(255 * ramp * ramp * (3 - 2 * ramp)).astype(np.uint8)
