@@ -1,0 +1,329 @@
+"""From matched points to one homography per camera: pairwise, robust, then all pairs together.
+
+Homographies map full-size camera pixels to full-size reference pixels, pixel centres at integers.
+The scene is a relief, so true matches lie off any plane by several pixels; what they do obey is the epipolar
+geometry of their pair. So matches are sifted by a generous homography and by the fundamental matrix, and the
+plane is then fitted by least squares over the surgical field instead of by the count of close matches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import cv2
+import numpy as np
+import poselib
+from attrs import field, frozen
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
+
+from .edl import Weak
+
+CELL_PX = 4.0  # static false matches repeat in every frame: one match per pair of cells of this size counts
+
+Array = NDArray[np.float64]
+
+
+@frozen(eq=False)
+class Correspondences:
+    """The same places seen by two cameras, pooled over frames.
+
+    a, b: (N, 2) full-size pixels of either camera. weight: (N,) above 0, how much each counts (the surgical
+    field's more than the drapes'). seen: (N,) in how many frames the match was found.
+    """
+
+    a: Array
+    b: Array
+    weight: Array
+    seen: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        return len(self.a)
+
+    def where(self, keep: NDArray[np.bool_]) -> Correspondences:
+        return Correspondences(self.a[keep], self.b[keep], self.weight[keep], self.seen[keep])
+
+
+def pool(matches: Sequence[tuple[Array, Array, Array]], cell_px: float = CELL_PX) -> Correspondences:
+    """Matches (points a (N, 2), points b (N, 2), weight (N,)) of many frames, one per pair of cells.
+
+    The place kept is the mean over the frames in which the pair of cells matched.
+    """
+    if not matches or not sum(len(m[0]) for m in matches):
+        empty = np.zeros((0, 2))
+        return Correspondences(empty, empty, np.zeros(0), np.zeros(0, np.int64))
+    a = np.concatenate([m[0] for m in matches]).astype(np.float64)
+    b = np.concatenate([m[1] for m in matches]).astype(np.float64)
+    weight = np.concatenate([m[2] for m in matches]).astype(np.float64)
+    cells = np.floor(np.hstack([a, b]) / cell_px).astype(np.int64)
+    _, inverse, count = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    inverse = inverse.reshape(-1)
+
+    def mean(values: Array) -> Array:
+        return np.bincount(inverse, values, len(count)) / count
+
+    return Correspondences(
+        np.stack([mean(a[:, 0]), mean(a[:, 1])], axis=1),
+        np.stack([mean(b[:, 0]), mean(b[:, 1])], axis=1),
+        mean(weight),
+        count.astype(np.int64),
+    )
+
+
+def apply(homography: Array, points: Array) -> Array:
+    """(N, 2) points moved by a 3x3 homography."""
+    moved = points @ homography[:, :2].T + homography[:, 2]
+    return moved[:, :2] / moved[:, 2:]
+
+
+@frozen
+class AlignmentSettings:
+    """Thresholds in fractions of the picture's diagonal where they depend on its size."""
+
+    relief: float = field(default=0.02)  # how far a true match may lie off the plane
+    epipolar: float = field(default=0.0018)  # how far off its epipolar line (2 px at 960x540)
+    min_support: int = field(default=16)  # distinct places below which a pair is not trusted
+    min_spread: float = field(default=0.015)  # share of the picture that the places' hull covers
+
+
+@frozen(eq=False)
+class PairFit:
+    """Two cameras tied by one homography a -> b, with the matches that agree."""
+
+    homography: Array
+    kept: Correspondences
+    support: int
+    spread: float
+
+
+def _cells(points: Array, cell_px: float = CELL_PX) -> int:
+    return len(np.unique(np.floor(points / cell_px).astype(np.int64), axis=0))
+
+
+def _hull_area(points: Array) -> float:
+    return float(cv2.contourArea(cv2.convexHull(points.astype(np.float32)))) if len(points) >= 3 else 0.0
+
+
+def fit_pair(
+    pair: Correspondences, size_a: tuple[int, int], size_b: tuple[int, int], settings: AlignmentSettings
+) -> PairFit | None:
+    """Robust homography from camera a to camera b, or None when the matches do not tie the two together.
+
+    Judged by distinct places and the area they span, never by the number of matches.
+    """
+    if len(pair) < settings.min_support:
+        return None
+    diagonal = float(np.hypot(*size_b))
+    homography, info = poselib.estimate_homography(
+        pair.a, pair.b, {"max_reproj_error": settings.relief * diagonal, "seed": 0, "max_iterations": 20000}
+    )
+    near = np.asarray(info["inliers"], bool)
+    if near.sum() < settings.min_support:
+        return None
+    kept = pair.where(near)
+    fundamental, info = poselib.estimate_fundamental(
+        kept.a, kept.b, {"max_epipolar_error": settings.epipolar * diagonal, "seed": 0, "max_iterations": 20000}
+    )
+    kept = kept.where(np.asarray(info["inliers"], bool))
+    support = min(_cells(kept.a), _cells(kept.b))
+    spread = min(_hull_area(kept.a) / (size_a[0] * size_a[1]), _hull_area(kept.b) / (size_b[0] * size_b[1]))
+    if support < settings.min_support or spread < settings.min_spread:
+        return None
+    refined = _weighted_homography(kept, np.asarray(homography, np.float64))
+    return None if refined is None else PairFit(refined, kept, support, spread)
+
+
+def _normaliser(points: Array) -> Array:
+    centre, scale = points.mean(axis=0), np.sqrt(2) / max(float(points.std(axis=0).mean()), 1e-9)
+    return np.array([[scale, 0, -scale * centre[0]], [0, scale, -scale * centre[1]], [0, 0, 1]])
+
+
+def _weighted_homography(pair: Correspondences, start: Array, rounds: int = 10) -> Array | None:
+    """Weighted least squares on the transfer error a -> b, Huber at 1.5 times the median residual (Gauss-Newton)."""
+    to_a, to_b = _normaliser(pair.a), _normaliser(pair.b)
+    a, b = apply(to_a, pair.a), apply(to_b, pair.b)
+    h = to_b @ start @ np.linalg.inv(to_a)
+    h = h / h[2, 2]
+    ones = np.ones(len(a))
+    for _ in range(rounds):
+        denominator = a @ h[2, :2] + h[2, 2]
+        moved = (a @ h[:2, :2].T + h[:2, 2]) / denominator[:, None]
+        error = moved - b
+        length = np.hypot(*error.T)
+        bound = 1.5 * max(float(np.median(length)), 1e-9)
+        weight = pair.weight * np.minimum(1, bound / np.maximum(length, 1e-12))
+        root = np.sqrt(weight)
+        basis = np.column_stack([a, ones]) / denominator[:, None]
+        zero = np.zeros_like(basis)
+        jx = np.hstack([basis, zero, -moved[:, :1] * basis[:, :2]])
+        jy = np.hstack([zero, basis, -moved[:, 1:] * basis[:, :2]])
+        jacobian = np.vstack([jx, jy]) * np.tile(root, 2)[:, None]
+        step = np.linalg.lstsq(jacobian, -np.concatenate([error[:, 0], error[:, 1]]) * np.tile(root, 2), rcond=None)[0]
+        h = h + np.append(step, 0).reshape(3, 3)
+        if np.abs(step).max() < 1e-10:
+            break
+    result = np.linalg.inv(to_b) @ h @ to_a
+    if not np.isfinite(result).all() or abs(result[2, 2]) < 1e-12:
+        return None
+    return result / result[2, 2]
+
+
+@frozen(eq=False)
+class Alignment:
+    """One homography per camera that could be tied in, and how sure each is.
+
+    homographies: camera -> 3x3, camera pixel -> reference pixel. residual_px: weighted rms over the matches kept,
+    in reference pixels. support: distinct places. weak: the others, with the reason.
+    """
+
+    homographies: Mapping[str, Array]
+    residual_px: Mapping[str, float]
+    support: Mapping[str, int]
+    weak: tuple[Weak, ...]
+
+
+def align(
+    pairs: Mapping[tuple[str, str], Correspondences],
+    sizes: Mapping[str, tuple[int, int]],
+    reference: str,
+    settings: AlignmentSettings | None = None,
+) -> Alignment:
+    """Ties every camera to ``reference``: pairwise fits, the spanning tree of best support, joint refinement.
+
+    ``pairs`` holds the pooled correspondences of camera pairs (a, b); ``sizes`` every camera's (width, height).
+    """
+    settings = settings or AlignmentSettings()
+    names = sorted(sizes)
+    fits: dict[tuple[str, str], PairFit] = {}
+    for (a, b), matches in sorted(pairs.items()):
+        fit = fit_pair(matches, sizes[a], sizes[b], settings)
+        if fit is not None:
+            fits[a, b] = fit
+    homographies = _chain(fits, names, reference)
+    homographies = _refine(fits, homographies, reference, sizes)
+    residual, support = {}, {}
+    for name in homographies:
+        if name != reference:
+            residual[name], support[name] = _quality(name, fits, homographies)
+    weak = tuple(
+        Weak(name, _diagnosis(name, pairs, fits, settings)) for name in names if name not in homographies
+    )
+    return Alignment(homographies, residual, support, weak)
+
+
+def _chain(fits: Mapping[tuple[str, str], PairFit], names: Sequence[str], reference: str) -> dict[str, Array]:
+    """Homographies to the reference along the maximum spanning tree of support."""
+    index = {name: i for i, name in enumerate(names)}
+    chained: dict[str, Array] = {reference: np.eye(3)}
+    if not fits:
+        return chained
+    rows = [index[a] for a, _ in fits]
+    columns = [index[b] for _, b in fits]
+    # The reference's own pairs are preferred, since error adds up along a chain.
+    cost = [1 / (fit.support * (2 if reference in pair else 1)) for pair, fit in fits.items()]
+    graph = coo_matrix((cost, (rows, columns)), shape=(len(names), len(names)))
+    tree = minimum_spanning_tree(graph)
+    order, before = breadth_first_order(tree, index[reference], directed=False)
+    for node in order[1:]:
+        name, nearer = names[node], names[before[node]]
+        if (name, nearer) in fits:
+            step = fits[name, nearer].homography
+        else:
+            step = np.linalg.inv(fits[nearer, name].homography)
+        h = chained[nearer] @ step
+        chained[name] = h / h[2, 2]
+    return chained
+
+
+def _refine(
+    fits: Mapping[tuple[str, str], PairFit],
+    homographies: dict[str, Array],
+    reference: str,
+    sizes: Mapping[str, tuple[int, int]],
+) -> dict[str, Array]:
+    """All homographies together: 8 parameters a view, Huber transfer error over all pairs, in reference pixels."""
+    free = [name for name in homographies if name != reference]
+    used = [(a, b, fit.kept) for (a, b), fit in fits.items() if a in homographies and b in homographies]
+    if not free or not used:
+        return homographies
+    width, height = sizes[reference]
+    scale = np.diag([2 / width, 2 / width, 1.0]) @ np.array([[1, 0, -width / 2], [0, 1, -height / 2], [0, 0, 1]])
+    own = {}
+    for name in homographies:
+        w, h = sizes[name]
+        own[name] = np.diag([2 / w, 2 / w, 1.0]) @ np.array([[1, 0, -w / 2], [0, 1, -h / 2], [0, 0, 1]])
+    start = {n: scale @ homographies[n] @ np.linalg.inv(own[n]) for n in homographies}
+    x0 = np.concatenate([(start[n] / start[n][2, 2]).ravel()[:8] for n in free])
+    terms = []
+    for a, b, kept in used:
+        direct = reference in (a, b)
+        # The reference's pairs say where a pixel belongs; the others only keep the cameras consistent.
+        weight = np.sqrt(kept.weight / kept.weight.sum() * (1.0 if direct else 0.25))
+        terms.append((a, b, apply(own[a], kept.a), apply(own[b], kept.b), np.concatenate([weight, weight])))
+
+    def place(x: Array, name: str, points: Array) -> Array:
+        if name == reference:
+            return points
+        i = free.index(name) * 8
+        return apply(np.append(x[i : i + 8], 1.0).reshape(3, 3), points)
+
+    def residuals(x: Array) -> Array:
+        parts = []
+        for a, b, points_a, points_b, weight in terms:
+            error = place(x, a, points_a) - place(x, b, points_b)
+            parts.append(np.concatenate([error[:, 0], error[:, 1]]) * weight)
+        return np.concatenate(parts)
+
+    at_start = residuals(x0)
+    # Huber beyond the usual relief: 1 % of the width, in the units that the weights give the residuals.
+    typical = float(np.median([w.mean() for *_, w in terms]))
+    solved = least_squares(residuals, x0, loss="huber", f_scale=max(0.02 * typical, 1e-12), max_nfev=60)
+    if not np.isfinite(solved.x).all() or np.square(solved.fun).sum() > 4 * np.square(at_start).sum():
+        return homographies
+    refined = {reference: np.eye(3)}
+    for i, name in enumerate(free):
+        h = np.linalg.inv(scale) @ np.append(solved.x[i * 8 : i * 8 + 8], 1.0).reshape(3, 3) @ own[name]
+        refined[name] = h / h[2, 2]
+    return refined
+
+
+def _quality(
+    name: str, fits: Mapping[tuple[str, str], PairFit], homographies: Mapping[str, Array]
+) -> tuple[float, int]:
+    """(weighted rms transfer error in reference pixels, distinct places) over a camera's pairs."""
+    squares, weights, places = [], [], []
+    for (a, b), fit in fits.items():
+        if name in (a, b) and a in homographies and b in homographies:
+            error = apply(homographies[a], fit.kept.a) - apply(homographies[b], fit.kept.b)
+            squares.append((error**2).sum(axis=1))
+            weights.append(fit.kept.weight)
+            places.append(fit.kept.a if name == a else fit.kept.b)
+    rms = float(np.sqrt(np.average(np.concatenate(squares), weights=np.concatenate(weights))))
+    return rms, _cells(np.concatenate(places))
+
+
+def _diagnosis(
+    name: str,
+    pairs: Mapping[tuple[str, str], Correspondences],
+    fits: Mapping[tuple[str, str], PairFit],
+    settings: AlignmentSettings,
+) -> str:
+    """Why a camera could not be tied in, in words for a person."""
+    own = {(b if a == name else a): matches for (a, b), matches in pairs.items() if name in (a, b)}
+    tied = [b if a == name else a for (a, b) in fits if name in (a, b)]
+    if tied:
+        return f"matches only {', '.join(tied)}, which cannot be tied to the reference camera either"
+    if not own:
+        return "no clear frame shows this camera together with another one"
+    best, matches = max(own.items(), key=lambda item: len(item[1]))
+    if len(matches) < settings.min_support:
+        return (
+            f"too few points in common with any other camera: at most {len(matches)} distinct places, with {best}; "
+            f"{settings.min_support} are needed"
+        )
+    return (
+        f"its points match no other camera in one plane: {len(matches)} distinct places match {best}, "
+        "but they contradict each other or lie in one small spot"
+    )

@@ -1,0 +1,284 @@
+"""From a recording to an EDL: sync, movements, poses, visible field, shots, centering. Reads like its description."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from math import floor
+from pathlib import Path
+
+import attrs
+import numpy as np
+from attrs import field, frozen
+
+from . import __version__, edl
+from .centering import FieldPlace, field_middle
+from .errors import InputError, PluginError, UsageError
+from .footage import Footage, discover
+from .plugins import STAGES, Offer, Plugins
+from .progress import Progress
+from .samples import Samples
+from .scene import scaling
+from .scores import ScoreTable
+from .solving import SolvedPose, SolveSettings, solve_pose
+from .sync import synchronise
+from .timing import FrameRange, format_time
+from .video import fingerprint, probe
+
+
+@frozen
+class AnalysisSettings:
+    """What the caller may choose. reference: a camera name (the first without). rate: programme frames per second
+    (the reference's without). stages: stage -> name of the plugin. sample_s: seconds between looks."""
+
+    reference: str | None = None
+    rate: Fraction | None = None
+    sync: str = "auto"
+    stages: Mapping[str, str] = field(factory=dict)
+    sample_s: float = 1.0
+    solve: SolveSettings = field(factory=SolveSettings)
+
+
+def analyse(
+    recording: Sequence[Path],
+    out: Path,
+    *,
+    settings: AnalysisSettings,
+    plugins: Plugins,
+    progress: Progress,
+) -> edl.Edl:
+    """Analyses ``recording`` (a folder, or camera files in order), writes the EDL to ``out`` and returns it.
+
+    An EDL that lies there already keeps its overrides and look. Raises InputError where a file is refused, and
+    Cancelled with nothing written.
+    """
+    unknown = set(settings.stages) - set(STAGES)
+    if unknown:
+        raise UsageError(f"there is no stage {unknown.pop()!r}", remedy=f"Stages are {', '.join(STAGES)}")
+    chosen = {stage: plugins.choose(stage, settings.stages.get(stage)) for stage in STAGES}
+    before = edl.load(out) if out.exists() else None
+
+    cameras = open_cameras(recording, out.parent, progress)
+    reference = _reference(cameras, settings.reference)
+    cameras = _synchronised(cameras, reference, settings.sync, out.parent, progress)
+    rate = settings.rate or reference.rate
+    frames = programme_length(reference, out.parent, rate)
+    footage = Footage(cameras, rate=rate, frames=frames, base=out.parent)
+
+    with tempfile.TemporaryDirectory(prefix="mcsl-samples-") as folder:
+        samples = Samples.record(footage, Path(folder) / "samples", progress, step_s=settings.sample_s)
+        movements = tuple(chosen["movement"].implementation.detect(samples, footage, progress))
+        solved = _solve(samples, footage, reference.name, movements, chosen["matcher"], settings, progress)
+        table = _scores(samples, solved, movements, chosen["occlusion"], progress)
+    poses = [s.pose for s in solved]
+    shots = tuple(chosen["selector"].implementation.select(table, frames=frames, rate=rate))
+    keys = tuple(
+        chosen["centerer"].implementation.centre(
+            [_field_place(s, reference.size) for s in solved], size=reference.size, rate=float(rate)
+        )
+    )
+    scores_path = out.with_name(f"{out.stem}.scores.npz")
+    made = edl.Edl(
+        rate=rate,
+        size=reference.size,
+        frames=frames,
+        reference=reference.name,
+        cameras=cameras,
+        movements=movements,
+        poses=tuple(poses),
+        shots=shots,
+        centering=keys,
+        scores=scores_path.name,
+        made_by=edl.MadeBy(
+            __version__, _settings_json(settings), {stage: str(offer) for stage, offer in chosen.items()}
+        ),
+    )
+    if before is not None:
+        made = edl.carry_over(before, made)
+    table.save(scores_path)
+    edl.save(made, out)
+    return made
+
+
+def open_cameras(recording: Sequence[Path], base: Path, progress: Progress) -> tuple[edl.Camera, ...]:
+    """The cameras of a recording, probed, clocks not yet set; media paths relative to ``base`` where possible."""
+    found = discover(recording)
+    if len(found) < 2:
+        raise InputError(
+            f"only one camera was found ({found[0][0]})",
+            where=", ".join(str(p) for p in recording),
+            remedy="Hand in the files of at least two cameras",
+        )
+    progress.stage("Opening the cameras", len(found), "cameras")
+    cameras = []
+    for number, (name, files) in enumerate(found):
+        facts = [probe(path) for path in files]
+        if len({f.size for f in facts}) > 1:
+            raise InputError(
+                "its files have different sizes: " + ", ".join(f"{w}x{h}" for w, h in (f.size for f in facts)),
+                where=f"camera {name}",
+                remedy="Hand them in as different cameras, or convert them to one size",
+            )
+        media = tuple(
+            edl.Media(relative_path(path, base), fact.frames, fingerprint(path))
+            for path, fact in zip(files, facts, strict=True)
+        )
+        cameras.append(edl.Camera(name, media, facts[0].size, facts[0].rate))
+        progress.advance(number + 1)
+    return tuple(cameras)
+
+
+def relative_path(path: Path, base: Path) -> str:
+    """``path`` relative to the folder ``base`` with forward slashes; absolute where there is no way (other drive)."""
+    try:
+        return Path(os.path.relpath(path.resolve(), base.resolve())).as_posix()
+    except ValueError:
+        return path.resolve().as_posix()
+
+
+def programme_length(reference: edl.Camera, base: Path, rate: Fraction) -> int:
+    """Frames of the programme: the reference camera's length at the programme's rate, at least 1."""
+    seconds = sum(Fraction(probe(base / m.path).duration_s) for m in reference.media)
+    return max(1, floor(seconds * rate + Fraction(1, 2)))
+
+
+def _reference(cameras: Sequence[edl.Camera], name: str | None) -> edl.Camera:
+    for camera in cameras:
+        if name in (None, camera.name):
+            return camera
+    raise UsageError(
+        f"there is no camera {name!r} to be the reference",
+        remedy=f"Choose one of {', '.join(c.name for c in cameras)}",
+    )
+
+
+def _synchronised(
+    cameras: Sequence[edl.Camera], reference: edl.Camera, method: str, base: Path, progress: Progress
+) -> tuple[edl.Camera, ...]:
+    clocks = synchronise(method, cameras, base, progress, reference=reference.name)
+    return tuple(attrs.evolve(c, clock=clock) for c, clock in zip(cameras, clocks, strict=True))
+
+
+def pose_ranges(movements: Sequence[edl.Movement], frames: int) -> list[FrameRange]:
+    """Stretches between the middles of the movements; they tile [0, frames)."""
+    middles = [(m.range.start + m.range.stop) // 2 for m in movements]
+    cuts = [0, *(m for m in middles if 0 < m < frames), frames]
+    return [FrameRange(a, b) for a, b in zip(cuts, cuts[1:], strict=False)]
+
+
+def _standing(samples: Samples, piece: FrameRange, movements: Sequence[edl.Movement]) -> list[int]:
+    """Positions of the samples in ``piece`` during which the lamp stands still; all of them if it never does."""
+    inside = samples.within(piece)
+    still = [i for i in inside if not any(samples.frames[i] in m.range for m in movements)]
+    return still or inside
+
+
+def _solve(
+    samples: Samples,
+    footage: Footage,
+    reference: str,
+    movements: Sequence[edl.Movement],
+    matcher: Offer,
+    settings: AnalysisSettings,
+    progress: Progress,
+) -> list[SolvedPose]:
+    """Every pose in order, each anchored to the one before."""
+    solved: list[SolvedPose] = []
+    for piece in pose_ranges(movements, footage.frames):
+        solved.append(
+            solve_pose(
+                piece,
+                _standing(samples, piece, movements),
+                samples,
+                footage,
+                reference=reference,
+                matcher=matcher.implementation,
+                previous=solved[-1] if solved else None,
+                settings=settings.solve,
+                progress=progress,
+            )
+        )
+    return solved
+
+
+def _scores(
+    samples: Samples,
+    solved: Sequence[SolvedPose],
+    movements: Sequence[edl.Movement],
+    detector: Offer,
+    progress: Progress,
+) -> ScoreTable:
+    """The visible field of every camera at every sample; no data while the lamp moves."""
+    progress.stage("Scoring the views", len(samples), "samples")
+    visible = np.full((len(samples), len(samples.cameras)), np.nan)
+    usable = np.zeros(visible.shape, bool)
+    for pose in solved:
+        scorer = detector.implementation.scorer(pose.scene)
+        for i in samples.within(pose.pose.range):
+            moment = samples[i]
+            moving = any(moment.frame in m.range for m in movements)
+            views = pose.scene.views(moment.pictures)
+            scores = {} if moving else _checked(scorer.score(views), [v.camera for v in views], detector)
+            for view in views:
+                column = samples.cameras.index(view.camera)
+                usable[i, column] = True
+                visible[i, column] = scores.get(view.camera, np.nan)
+            progress.advance(i + 1)
+    return ScoreTable(np.array(samples.frames), samples.cameras, visible, usable)
+
+
+def _checked(scores: Mapping[str, float], cameras: Sequence[str], detector: Offer) -> Mapping[str, float]:
+    """What a detector returned, refused by name when it is not one number in 0..1 for every view."""
+    for camera in cameras:
+        value = scores.get(camera)
+        if value is None or not 0 <= value <= 1:
+            raise PluginError(
+                f"gave {value!r} for camera {camera}, expected a number in 0..1",
+                where=f"occlusion detector {detector}",
+                remedy="Report it to its author, or choose another with --occlusion",
+            )
+    return scores
+
+
+def _field_place(solved: SolvedPose, size: tuple[int, int]) -> FieldPlace:
+    to_programme = np.array(solved.pose.anchor) @ scaling(solved.scene.size, size)
+    return FieldPlace(solved.pose.range, field_middle(solved.scene.field, to_programme))
+
+
+def _settings_json(settings: AnalysisSettings) -> dict[str, object]:
+    """The settings that differ from none, in the EDL's types."""
+    return {"sync": settings.sync, "sample_s": settings.sample_s, "solve": attrs.asdict(settings.solve)}
+
+
+def summary(made: edl.Edl) -> dict[str, object]:
+    """What was decided, for programs."""
+    return {
+        "frames": made.frames,
+        "seconds": round(float(made.frames / made.rate), 3),
+        "cameras": [c.name for c in made.cameras],
+        "movements": [[m.range.start, m.range.stop] for m in made.movements],
+        "shots": len(made.shots),
+        "overrides": len(made.overrides),
+        "weak": [{"pose": i, "camera": w.camera, "reason": w.reason} for i, p in enumerate(made.poses) for w in p.weak],
+        "residual_px": [dict(p.residual_px) for p in made.poses],
+    }
+
+
+def describe(made: edl.Edl) -> str:
+    """What was decided, in a few lines for people."""
+    seconds = made.frames / made.rate
+    lines = [
+        f"{len(made.cameras)} cameras, {format_time(seconds)} at {float(made.rate):.6g} frames/s, "
+        f"{len(made.shots)} shots, {len(made.overrides)} overrides"
+    ]
+    for movement in made.movements:
+        start, stop = (format_time(f / made.rate) for f in (movement.range.start, movement.range.stop))
+        lines.append(f"  the lamp moves from {start} to {stop} (confidence {movement.confidence:.0%})")
+    for pose in made.poses:
+        fits = ", ".join(f"{n} {v:.1f}" for n, v in pose.residual_px.items())
+        at = format_time(pose.range.start / made.rate)
+        lines.append(f"  pose from {at}, perspective {pose.perspective}: residual px {fits or 'none'}")
+        lines += [f"    weak: {w.camera}: {w.reason}" for w in pose.weak]
+    return "\n".join(lines)

@@ -1,0 +1,368 @@
+"""The command line: flags in, text or JSON lines out; nothing else.
+
+Exit codes: 0 done, 2 wrong call, 3 input refused, 4 failed, 130 stopped.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.console import Console
+from rich.table import Table
+
+from . import __version__
+from .errors import Cancelled, McslError, UsageError
+from .progress import JsonLines, Progress
+from .timing import format_time, parse_rate
+
+PATH = click.Path(path_type=Path)
+
+
+class Session:
+    """What every command shares: how progress is shown, and how the result is told."""
+
+    def __init__(self, progress: str, debug: bool) -> None:
+        self.debug = debug
+        self.out = Console(highlight=False, soft_wrap=True)
+        self.err = Console(stderr=True, highlight=False)
+        terminal = "bar" if sys.stderr.isatty() else "lines"
+        self.mode = terminal if progress == "auto" else progress
+        self.json = JsonLines(sys.stdout) if self.mode == "json" else None
+
+    @contextlib.contextmanager
+    def progress(self) -> Iterator[Progress]:
+        """The progress of one piece of long work."""
+        from .console import Bars, Lines
+        from .progress import Silent
+
+        if self.json:
+            yield self.json
+        elif self.mode == "bar":
+            with Bars(self.err) as bars:
+                yield bars
+        elif self.mode == "lines":
+            yield Lines(lambda line: print(line, file=sys.stderr, flush=True))
+        else:
+            yield Silent()
+
+    def result(self, values: Mapping[str, Any], text: str) -> None:
+        """The end of a success: ``values`` for programs, ``text`` for people."""
+        if self.json:
+            self.json.result(values)
+        else:
+            self.out.print(text)
+
+
+class Commands(click.Group):
+    """Lists the commands in the order of the work, not of the alphabet."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(self.commands)
+
+
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(__version__, prog_name="mcsl")
+@click.option(
+    "--progress",
+    type=click.Choice(["auto", "bar", "lines", "json", "none"]),
+    default="auto",
+    help="How long work reports: a bar, one line a stage, one JSON object a line on standard output, or not at all.",
+)
+@click.option("--debug", is_flag=True, help="Show the traceback of an error.")
+@click.pass_context
+def cli(ctx: click.Context, progress: str, debug: bool) -> None:
+    """One steady, unoccluded video from the cameras of a surgical lamp.
+
+    \b
+    recording --analyse--> EDL --timeline--> edit.blend --pull--> overrides --render--> video
+
+    Try it without a recording of your own: mcsl demo
+    """
+    ctx.obj = Session(progress, debug)
+
+
+def _stage_options(command: Any) -> Any:
+    """--movement NAME, --occlusion NAME, ...: which plugin does each stage."""
+    from .plugins import STAGES
+
+    for stage, (_, _, default) in reversed(STAGES.items()):
+        command = click.option(f"--{stage}", metavar="NAME", help=f"Plugin for this stage (default: {default}).")(
+            command
+        )
+    return command
+
+
+@cli.command()
+@click.argument("folder", type=PATH, required=False)
+@click.option("--seed", default=1, show_default=True, help="Another seed is another operation.")
+@click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
+@click.pass_obj
+def demo(session: Session, folder: Path | None, seed: int, blender: str | None) -> None:
+    """Simulate a recording, analyse it, build the timeline, render the video.
+
+    Everything goes into FOLDER (default: ./mcsl-demo).
+    """
+    from .demo import run_demo
+
+    with session.progress() as progress:
+        made = run_demo(folder or Path("mcsl-demo"), seed=seed, blender=blender, progress=progress)
+    session.result(made.values, made.text)
+
+
+@cli.command()
+@click.argument("out", type=PATH)
+@click.option("--seed", default=0, show_default=True)
+@click.option("--duration", "duration_s", default=60.0, show_default=True, metavar="S", help="Seconds.")
+@click.option("--size", default="960x540", show_default=True, metavar="WxH")
+@click.option("--rate", default="30000/1001", show_default=True, help="Frames per second.")
+@click.option("--cameras", default=5, show_default=True)
+@click.option("--movements", default=1, show_default=True, help="How often the lamp is moved.")
+@click.option("--drape", type=click.Choice(["green", "blue", "white"]), default="green", show_default=True)
+@click.option("--skin", type=click.Choice(["light", "medium", "dark"]), default="light", show_default=True)
+@click.option("--gloves", type=click.Choice(["white", "blue", "skin"]), default="white", show_default=True)
+@click.pass_obj
+def simulate(session: Session, out: Path, size: str, rate: str, **scene: Any) -> None:
+    """Make a recording with known truth in the folder OUT: camera files and truth.json."""
+    from .simulation import Scenario
+    from .simulation import simulate as run
+
+    try:
+        width, height = (int(v) for v in size.lower().split("x"))
+        scenario = Scenario(size=(width, height), rate=parse_rate(rate), **scene)
+    except ValueError as error:
+        raise UsageError(str(error), remedy="See: mcsl simulate --help") from error
+    with session.progress() as progress:
+        truth = run(scenario, out, progress)
+    session.result(
+        {"folder": str(out), "frames": truth.frames, "movements": len(truth.movements)},
+        f"{out}: {len(truth.cameras)} cameras, {truth.frames} frames, {len(truth.movements)} lamp movements",
+    )
+
+
+@cli.command()
+@click.argument("recording", type=PATH, nargs=-1, required=True)
+@click.option("-o", "--out", type=PATH, required=True, help="The EDL; an existing one keeps its overrides.")
+@click.option("--reference", metavar="CAMERA", help="Whose perspective the programme keeps (default: the first).")
+@click.option("--rate", help="Programme frames per second (default: the reference camera's).")
+@click.option("--sync", default="auto", show_default=True, help="How clocks are matched: auto, audio, none.")
+@_stage_options
+@click.pass_obj
+def analyse(
+    session: Session, recording: tuple[Path, ...], out: Path, reference: str | None, rate: str | None, sync: str,
+    **stages: str | None,
+) -> None:
+    """Analyse RECORDING (a folder, or the camera files in order) into an edit-decision list."""
+    from . import analysis, plugins
+
+    try:
+        settings = analysis.AnalysisSettings(
+            reference=reference,
+            rate=parse_rate(rate) if rate else None,
+            sync=sync,
+            stages={stage: name for stage, name in stages.items() if name},
+        )
+    except ValueError as error:
+        raise UsageError(str(error)) from error
+    with session.progress() as progress:
+        edl = analysis.analyse(recording, out, settings=settings, plugins=plugins.discover(), progress=progress)
+    session.result({"edl": str(out), **analysis.summary(edl)}, f"{out}: {analysis.describe(edl)}")
+
+
+@cli.command()
+@click.argument("edl", type=PATH)
+@click.option("-o", "--out", type=PATH, required=True, help="The .blend file.")
+@click.option("--preset", default="h264", show_default=True, help="Render settings the file is given.")
+@click.option("--conformed", type=PATH, help="Folder of conformed media (default: beside the EDL, where present).")
+@click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
+@click.pass_obj
+def timeline(
+    session: Session, edl: Path, out: Path, preset: str, conformed: Path | None, blender: str | None
+) -> None:
+    """Build the Blender timeline of EDL."""
+    from . import blender as desk
+    from . import timeline as lines
+
+    with session.progress() as progress:
+        values = lines.build(
+            edl, out, blender=desk.find(blender), preset=preset, conformed=conformed, progress=progress
+        )
+    session.result({"blend": str(out), **(values or {})}, f"{out}: open it in Blender, or render it: mcsl render {out}")
+
+
+@cli.command()
+@click.argument("blend", type=PATH)
+@click.option("-o", "--out", type=PATH, help="The EDL to write (default: the one the timeline was built from).")
+@click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
+@click.pass_obj
+def pull(session: Session, blend: Path, out: Path | None, blender: str | None) -> None:
+    """Read the editor's changes in BLEND back into the EDL as overrides."""
+    from . import blender as desk
+    from . import timeline as lines
+
+    with session.progress() as progress:
+        edl = lines.pull(blend, out, blender=desk.find(blender), progress=progress)
+    count = len(edl.overrides)
+    session.result({"overrides": count}, f"{count} override{'s' * (count != 1)}")
+
+
+@cli.command()
+@click.argument("edl", type=PATH)
+@click.option("-o", "--out", type=PATH, help="Folder of the conformed media (default: EDL's name + .conformed).")
+@click.option("--jobs", default=2, show_default=True, help="Chunks made at the same time.")
+@click.option("--filler", metavar="NAME", help="Plugin that fills empty pixels (default: footprint).")
+@click.option("--prune", is_flag=True, help="Delete chunks that the EDL no longer needs.")
+@click.pass_obj
+def conform(
+    session: Session, edl: Path, out: Path | None, jobs: int, filler: str | None, prune: bool
+) -> None:
+    """Make the exact full-resolution programme pictures of EDL from the original media."""
+    from . import conform as conforming
+    from . import edl as document
+    from . import plugins
+
+    chosen = plugins.discover().choose("filler", filler).implementation
+    folder = out or conforming.default_folder(edl)
+    with session.progress() as progress:
+        done = conforming.conform(
+            document.load(edl), edl.parent, folder, filler=chosen, jobs=jobs, prune=prune, progress=progress
+        )
+    session.result(
+        {"folder": str(folder), "chunks": len(done.chunks), "made": done.made},
+        f"{folder}: {len(done.chunks)} chunks, {done.made} made now",
+    )
+
+
+@cli.command()
+@click.argument("source", type=PATH)
+@click.option("-o", "--out", type=PATH, required=True, help="The video.")
+@click.option("--preset", default="h264", show_default=True, help="A name or a preset file of your own.")
+@click.option(
+    "--engine", type=click.Choice(["blender", "direct"]), default="blender", show_default=True,
+    help="Blender renders titles and all; direct writes the same programme without Blender.",
+)
+@click.option("--jobs", default=2, show_default=True, help="Chunks made at the same time.")
+@click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
+@click.pass_obj
+def render(
+    session: Session, source: Path, out: Path, preset: str, engine: str, jobs: int, blender: str | None
+) -> None:
+    """Pull, conform and render SOURCE (an EDL or a .blend) to a video."""
+    from . import rendering
+
+    with session.progress() as progress:
+        rendering.render(source, out, preset=preset, engine=engine, blender=blender, jobs=jobs, progress=progress)
+    session.result({"video": str(out)}, f"{out}: {out.stat().st_size / 1e6:.1f} MB")
+
+
+@cli.command("plugins")
+@click.option("--json", "as_json", is_flag=True, help="As JSON.")
+@click.pass_obj
+def list_plugins(session: Session, as_json: bool) -> None:
+    """List everything that can do a stage, built-in and installed."""
+    from .plugins import STAGES, discover
+
+    offers = discover().offers
+    if as_json or session.json:
+        rows = [
+            {
+                "stage": o.stage, "name": o.name, "package": o.package, "version": o.version, "summary": o.summary,
+                "default": STAGES[o.stage][2] == o.name,
+            }
+            for o in offers
+        ]
+        click.echo(json.dumps(rows, indent=2, ensure_ascii=False))
+        return
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for heading in ("stage", "name", "from", "what it does"):
+        table.add_column(heading, overflow="fold")
+    for offer in offers:
+        mark = " [dim](default)[/]" if STAGES[offer.stage][2] == offer.name else ""
+        table.add_row(offer.stage, offer.name + mark, f"{offer.package} {offer.version}", offer.summary)
+    session.out.print(table)
+
+
+@cli.group("blender", cls=Commands, invoke_without_command=True)
+@click.option("--blender", metavar="PATH", help="A Blender, or a Python that has bpy.")
+@click.pass_context
+def blender_group(ctx: click.Context, blender: str | None) -> None:
+    """Say which Blender is used, why, and what it lacks."""
+    if ctx.invoked_subcommand is None:
+        from . import blender as desk
+
+        found = desk.find(blender)
+        ctx.obj.result({"command": list(found.command), "version": found.version, "why": found.why}, str(found))
+
+
+@blender_group.command()
+@click.pass_obj
+def install(session: Session) -> None:
+    """Make the private environment with Blender as a Python module (bpy)."""
+    from . import blender as desk
+
+    with session.progress() as progress:
+        found = desk.install(progress)
+    session.result({"command": list(found.command), "version": found.version}, str(found))
+
+
+def _stop(_signal: int, _frame: object) -> None:
+    raise KeyboardInterrupt
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Runs the command line and returns its exit code; every error is one line for people."""
+    with contextlib.suppress(ValueError):  # not in the main thread: nobody sends us signals there
+        signal.signal(signal.SIGTERM, _stop)
+    arguments = sys.argv[1:] if arguments is None else arguments
+    debug, as_json = "--debug" in arguments, _wants_json(arguments)
+    try:
+        cli.main(arguments, prog_name="mcsl", standalone_mode=False)
+        return 0
+    except click.exceptions.Exit as done:
+        return done.exit_code
+    except (KeyboardInterrupt, click.Abort, Cancelled):
+        return _fail(Cancelled(), as_json)
+    except click.ClickException as error:
+        if isinstance(error, click.UsageError) and not as_json:
+            error.show()
+            return 2
+        return _fail(UsageError(error.format_message()), as_json)
+    except McslError as error:
+        if debug:
+            raise
+        return _fail(error, as_json)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except Exception as error:
+        if debug:
+            raise
+        unexpected = McslError(
+            f"{type(error).__name__}: {error}", where="internal error",
+            remedy="Run again with `mcsl --debug ...` and report what it shows",
+        )
+        return _fail(unexpected, as_json)
+
+
+def _wants_json(arguments: list[str]) -> bool:
+    pairs = zip(arguments, [*arguments[1:], ""], strict=True)
+    return "--progress=json" in arguments or any(pair == ("--progress", "json") for pair in pairs)
+
+
+def _fail(error: McslError, as_json: bool) -> int:
+    if as_json:
+        JsonLines(sys.stdout).error(error.what, error.where, error.remedy, error.exit_code)
+    else:
+        print(f"mcsl: {error}", file=sys.stderr)
+    return error.exit_code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

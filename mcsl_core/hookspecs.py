@@ -1,0 +1,130 @@
+"""The hooks through which stages come in, the built-ins by the same door, and what each stage must be able to do.
+
+A plugin is a module (or object) with functions of the names below, marked with ``mcsl_core.hookspecs.hookimpl`` and
+announced under the entry-point group ``mcsl``. Each function returns the objects it offers; each object has a
+``name`` by which it is chosen. What plugins are handed is not theirs to change.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Protocol
+
+import numpy as np
+import pluggy
+from numpy.typing import NDArray
+
+from .centering import FieldPlace
+from .edl import CenteringKey, Movement, Shot
+from .features import Features
+from .filling import Filler
+from .footage import Footage
+from .progress import Progress
+from .samples import Samples
+from .scene import Scene, View
+from .scores import ScoreTable
+
+PROJECT = "mcsl"
+hookspec = pluggy.HookspecMarker(PROJECT)
+hookimpl = pluggy.HookimplMarker(PROJECT)
+
+
+class MovementDetector(Protocol):
+    """Finds the stretches in which the lamp moves."""
+
+    @property
+    def name(self) -> str: ...
+
+    def detect(self, samples: Samples, footage: Footage, progress: Progress) -> Sequence[Movement]:
+        """Movements in order, not overlapping, inside [0, footage.frames).
+
+        samples: the recording about once a second, reduced; iterate it. footage: for a closer look at full rate.
+        """
+        ...
+
+
+class Matcher(Protocol):
+    """Finds the same places in two pictures."""
+
+    @property
+    def name(self) -> str: ...
+
+    def features(self, picture: NDArray[np.uint8], mask: NDArray[np.uint8] | None = None) -> Features:
+        """Distinctive points of a (H, W, 3) BGR picture, only where ``mask`` (H, W) is not 0."""
+        ...
+
+    def match(self, a: Features, b: Features) -> NDArray[np.intp]:
+        """(M, 2) indices: point [i, 0] of ``a`` is point [i, 1] of ``b``; each point at most once."""
+        ...
+
+
+class OcclusionScorer(Protocol):
+    """Scores the moments of one pose."""
+
+    def score(self, views: Sequence[View]) -> Mapping[str, float]:
+        """camera -> visible share of the surgical field, 0 (hidden) to 1 (clear), for every view handed in."""
+        ...
+
+
+class OcclusionDetector(Protocol):
+    """Says how much of the surgical field each camera sees."""
+
+    @property
+    def name(self) -> str: ...
+
+    def scorer(self, scene: Scene) -> OcclusionScorer:
+        """A scorer for one pose; moments are handed to it in order of time."""
+        ...
+
+
+class Selector(Protocol):
+    """Chooses the camera of every moment."""
+
+    @property
+    def name(self) -> str: ...
+
+    def select(self, table: ScoreTable, *, frames: int, rate: Fraction) -> Sequence[Shot]:
+        """Shots that tile [0, frames) without gap or overlap; ``rate`` in frames per second."""
+        ...
+
+
+class Centerer(Protocol):
+    """Shifts the programme so that what matters is in the middle."""
+
+    @property
+    def name(self) -> str: ...
+
+    def centre(
+        self, places: Sequence[FieldPlace], *, size: tuple[int, int], rate: float
+    ) -> Sequence[CenteringKey]:
+        """(frame, dx, dy) with rising frames, in programme pixels; ``size`` is the programme's (width, height)."""
+        ...
+
+
+class Hooks:
+    """The hook specifications."""
+
+    @hookspec
+    def register_movement_detectors(self) -> Sequence[MovementDetector]:  # pyright: ignore[reportReturnType]
+        """Movement detectors, chosen by ``--movement NAME``."""
+
+    @hookspec
+    def register_matchers(self) -> Sequence[Matcher]:  # pyright: ignore[reportReturnType]
+        """Matchers, chosen by ``--matcher NAME``."""
+
+    @hookspec
+    def register_occlusion_detectors(self) -> Sequence[OcclusionDetector]:  # pyright: ignore[reportReturnType]
+        """Occlusion detectors, chosen by ``--occlusion NAME``."""
+
+    @hookspec
+    def register_selectors(self) -> Sequence[Selector]:  # pyright: ignore[reportReturnType]
+        """Selectors, chosen by ``--selector NAME``."""
+
+    @hookspec
+    def register_centerers(self) -> Sequence[Centerer]:  # pyright: ignore[reportReturnType]
+        """Centerers, chosen by ``--centerer NAME``."""
+
+    @hookspec
+    def register_fillers(self) -> Sequence[Filler]:  # pyright: ignore[reportReturnType]
+        """Fillers, chosen by ``--filler NAME``."""

@@ -1,0 +1,129 @@
+"""Finding plugins and choosing stages by name. Two of one name is an error that names both packages."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from importlib import metadata
+from typing import Any
+
+import pluggy
+from attrs import frozen
+
+from . import __version__, default_plugins
+from .errors import PluginError, UsageError
+from .hookspecs import PROJECT, Hooks
+
+# stage -> (hook, the methods its objects must have, the default's name)
+STAGES: Mapping[str, tuple[str, tuple[str, ...], str]] = {
+    "movement": ("register_movement_detectors", ("detect",), "stillness"),
+    "matcher": ("register_matchers", ("features", "match"), "rootsift"),
+    "occlusion": ("register_occlusion_detectors", ("scorer",), "hue-area"),
+    "selector": ("register_selectors", ("select",), "shortest-path"),
+    "centerer": ("register_centerers", ("centre",), "field"),
+    "filler": ("register_fillers", ("fill",), "footprint"),
+}
+
+
+@frozen(eq=False)
+class Offer:
+    """One named object of one package."""
+
+    stage: str
+    name: str
+    package: str
+    version: str
+    implementation: Any
+
+    def __str__(self) -> str:
+        return f"{self.name} ({self.package} {self.version})"
+
+    @property
+    def summary(self) -> str:
+        """The first sentence of its description."""
+        text = " ".join((type(self.implementation).__doc__ or "").split())
+        return text.split(". ")[0].rstrip(".")
+
+
+@frozen(eq=False)
+class Plugins:
+    """Everything on offer, by stage and name."""
+
+    offers: tuple[Offer, ...]
+
+    def choose(self, stage: str, name: str | None = None) -> Offer:
+        """The offer of that name (the default's without one); UsageError that lists what there is."""
+        name = name or STAGES[stage][2]
+        for offer in self.offers:
+            if (offer.stage, offer.name) == (stage, name):
+                return offer
+        known = ", ".join(o.name for o in self.offers if o.stage == stage)
+        raise UsageError(
+            f"there is no {stage} named {name!r}",
+            remedy=f"Choose one of {known}, or install the plugin that brings it (`mcsl plugins` lists all)",
+        )
+
+
+def discover(extra: Sequence[tuple[object, str, str]] = (), *, entry_points: bool = True) -> Plugins:
+    """The built-ins, the plugins installed under the entry-point group ``mcsl``, and ``extra`` ones.
+
+    extra: (module or object with hook functions, package, version). PluginError names what is wrong with whom.
+    """
+    sources: list[tuple[object, str, str]] = [(default_plugins, "mcsl", __version__)]
+    if entry_points:
+        sources += [_loaded(point) for point in sorted(metadata.entry_points(group=PROJECT), key=lambda p: p.name)]
+    offers: dict[tuple[str, str], Offer] = {}
+    for source, package, version in [*sources, *extra]:
+        for offer in _offers(source, package, version):
+            key = (offer.stage, offer.name)
+            if key in offers:
+                raise PluginError(
+                    f"two {offer.stage} plugins are named {offer.name!r}",
+                    where=f"{offers[key].package} and {package}",
+                    remedy="Uninstall one of them, or have its author rename it",
+                )
+            offers[key] = offer
+    return Plugins(tuple(offers.values()))
+
+
+def _loaded(point: metadata.EntryPoint) -> tuple[object, str, str]:
+    package = point.dist.name if point.dist else point.value
+    version = point.dist.version if point.dist else "?"
+    try:
+        return point.load(), package, version
+    except Exception as error:
+        raise PluginError(
+            f"cannot be imported: {type(error).__name__}: {error}",
+            where=f"plugin {package} {version} ({point.value})",
+            remedy=f"Repair or uninstall it: pip uninstall {package}",
+        ) from error
+
+
+def _offers(source: object, package: str, version: str) -> list[Offer]:
+    """What one plugin registers, checked."""
+    manager = pluggy.PluginManager(PROJECT)
+    manager.add_hookspecs(Hooks)
+    who = f"plugin {package} {version}"
+    try:
+        manager.register(source)
+        manager.check_pending()
+    except pluggy.PluginValidationError as error:
+        raise PluginError(str(error), where=who, remedy="Its hooks must be those of docs/hooks.md") from error
+    found = []
+    for stage, (hook, methods, _) in STAGES.items():
+        try:
+            results = getattr(manager.hook, hook)()
+        except Exception as error:
+            raise PluginError(
+                f"{hook} failed: {type(error).__name__}: {error}", where=who, remedy="Repair or uninstall it"
+            ) from error
+        for implementation in (item for result in results for item in result):
+            name = getattr(implementation, "name", None)
+            lacking = [m for m in methods if not callable(getattr(implementation, m, None))]
+            if not isinstance(name, str) or not name or lacking:
+                raise PluginError(
+                    f"{hook} offers {implementation!r}, which lacks {', '.join(lacking) or 'a name'}",
+                    where=who,
+                    remedy="See the protocol in docs/hooks.md",
+                )
+            found.append(Offer(stage, name, package, version, implementation))
+    return found

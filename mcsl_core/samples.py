@@ -1,0 +1,86 @@
+"""The recording looked at about once a second, decoded once and kept on disk small enough to be looked at again.
+
+Every stage of the analysis iterates the same samples; pictures are BGR, reduced to `SAMPLE_HEIGHT` rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import BinaryIO
+
+import cv2
+import numpy as np
+from attrs import define, field, frozen
+from numpy.typing import NDArray
+
+from .footage import Footage
+from .progress import Progress
+from .timing import FrameRange
+
+SAMPLE_HEIGHT = 360
+JPEG_QUALITY = 92  # 45 dB: below what movement and hue are judged by; 40-80 kB a picture
+
+
+@frozen(eq=False)
+class Moment:
+    """All cameras at one programme frame; None where a camera has no picture."""
+
+    frame: int
+    pictures: Mapping[str, NDArray[np.uint8] | None]
+
+
+@define(eq=False)
+class Samples:
+    """The moments of a recording in order; iterate it as often as needed. Memory stays flat: pictures lie in a file."""
+
+    frames: list[int]
+    cameras: tuple[str, ...]
+    _index: list[dict[str, tuple[int, int]]]
+    _file: BinaryIO = field(repr=False)
+
+    @classmethod
+    def record(cls, footage: Footage, store: Path, progress: Progress, *, step_s: float = 1.0) -> Samples:
+        """Decodes ``footage`` once, about a picture every ``step_s`` seconds, into the file ``store``."""
+        cameras = tuple(c.name for c in footage.cameras)
+        stream = store.open("w+b")
+        frames: list[int] = []
+        index: list[dict[str, tuple[int, int]]] = []
+        progress.stage("Looking through the recording", footage.frames, "frames")
+        for sample in footage.samples(step_s=step_s, height=SAMPLE_HEIGHT):
+            places = {}
+            for name, picture in sample.pictures.items():
+                if picture is not None:
+                    data = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1].tobytes()
+                    places[name] = (stream.tell(), len(data))
+                    stream.write(data)
+            frames.append(sample.frame)
+            index.append(places)
+            progress.advance(min(sample.frame, footage.frames))
+        progress.advance(footage.frames)
+        stream.flush()
+        return cls(frames, cameras, index, stream)
+
+    def __len__(self) -> int:
+        return len(self.frames)
+
+    def __getitem__(self, position: int) -> Moment:
+        places = self._index[position]
+        return Moment(
+            self.frames[position],
+            {name: self._read(*places[name]) if name in places else None for name in self.cameras},
+        )
+
+    def __iter__(self) -> Iterator[Moment]:
+        return (self[i] for i in range(len(self)))
+
+    def within(self, piece: FrameRange) -> list[int]:
+        """Positions of the samples whose frames lie in ``piece``."""
+        return [i for i, frame in enumerate(self.frames) if frame in piece]
+
+    def _read(self, start: int, length: int) -> NDArray[np.uint8]:
+        self._file.seek(start)
+        data = np.frombuffer(self._file.read(length), np.uint8)
+        picture = cv2.imdecode(data, cv2.IMREAD_COLOR)
+        assert picture is not None, "the sample store was changed by another process"
+        return picture  # pyright: ignore[reportReturnType]

@@ -1,0 +1,67 @@
+"""How much of the surgical field each camera sees, sample by sample: what detectors write and selectors read."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+from attrs import frozen
+from numpy.typing import NDArray
+
+from .documents import write_atomic
+from .errors import DocumentError
+
+
+@frozen(eq=False)
+class ScoreTable:
+    """Visible field over time.
+
+    frames: (S,) rising programme frames of the samples. cameras: C names. visible: (S, C) float in 0..1, NaN where
+    there is no data. usable: (S, C) bool, False where no automatic shot may use the camera (weak, or no picture).
+    """
+
+    frames: NDArray[np.int64]
+    cameras: tuple[str, ...]
+    visible: NDArray[np.float64]
+    usable: NDArray[np.bool_]
+
+    def __attrs_post_init__(self) -> None:
+        shape = (len(self.frames), len(self.cameras))
+        if self.visible.shape != shape or self.usable.shape != shape:
+            raise ValueError(
+                f"visible and usable must be {shape}, got {self.visible.shape} and {self.usable.shape}"
+            )
+        if len(self.frames) and (self.frames[0] < 0 or (np.diff(self.frames) <= 0).any()):
+            raise ValueError("frames of the samples must rise from 0 or later")
+        known = self.visible[~np.isnan(self.visible)]
+        if known.size and (known.min() < 0 or known.max() > 1):
+            raise ValueError(f"visible must lie in 0..1, got {known.min():.3g}..{known.max():.3g}")
+
+    def save(self, path: Path) -> None:
+        """Writes a compressed .npz atomically; the same table gives the same bytes."""
+        stream = io.BytesIO()
+        np.savez_compressed(
+            stream,
+            frames=self.frames,
+            cameras=np.array(self.cameras),
+            visible=self.visible.astype(np.float32),
+            usable=self.usable,
+        )
+        write_atomic(path, stream.getvalue())
+
+
+def load_scores(path: Path) -> ScoreTable:
+    """Reads what `ScoreTable.save` wrote; DocumentError when it is something else."""
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            return ScoreTable(
+                data["frames"].astype(np.int64),
+                tuple(str(name) for name in data["cameras"]),
+                data["visible"].astype(np.float64),
+                data["usable"].astype(bool),
+            )
+    except (OSError, KeyError, ValueError) as error:
+        raise DocumentError(
+            f"is not a table of scores ({error})", where=str(path), remedy="Run `mcsl analyse` again"
+        ) from error
