@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The closest similarity of a homography, as Blender's strip transform understands it. No bpy.
+
+Pixels in are OpenCV's: x right, y down, centres at integers. Blender's strip transform moves the picture's middle
+by (offset_x, offset_y) pixels of the render, x right and y up, turns it counter-clockwise by ``rotation`` radians
+and scales it about its middle; the middle of w pixels is (w - 1) / 2 here and w / 2 there, which is the same spot.
+Checked by rendering against a picture resampled without Blender: tests/blender/test_transform.py.
+"""
+
+from __future__ import annotations
+
+import cmath
+from math import exp
+
+from attrs import frozen
+
+from mcsl_core.edl import Matrix
+
+GRID = 17  # points a side; a similarity has four unknowns, 289 points leave no doubt about the mean
+SPREAD = 0.3  # weight falls to exp(-1/2) at this part of the picture's width from the field's middle
+
+
+@frozen
+class Transform:
+    """A strip's transform: offsets in render pixels (y up), uniform scale, rotation in radians, counter-clockwise."""
+
+    offset_x: float
+    offset_y: float
+    scale: float
+    rotation: float
+
+
+def multiply(a: Matrix, b: Matrix) -> Matrix:
+    """The matrix product a @ b."""
+    rows = [tuple(sum(a[i][k] * b[k][j] for k in range(3)) for j in range(3)) for i in range(3)]
+    return rows[0], rows[1], rows[2]  # pyright: ignore[reportReturnType]
+
+
+def invert(m: Matrix) -> Matrix:
+    """The inverse, by cofactors; ZeroDivisionError when singular (the EDL refuses such matrices)."""
+    (a, b, c), (d, e, f), (g, h, i) = m
+    det = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+    return (
+        ((e * i - f * h) / det, (c * h - b * i) / det, (b * f - c * e) / det),
+        ((f * g - d * i) / det, (a * i - c * g) / det, (c * d - a * f) / det),
+        ((d * h - e * g) / det, (b * g - a * h) / det, (a * e - b * d) / det),
+    )
+
+
+def project(m: Matrix, point: complex) -> complex | None:
+    """``point`` (x + iy) through the homography; None at or behind the horizon, seen from pixel scale."""
+    x, y = point.real, point.imag
+    w = m[2][0] * x + m[2][1] * y + m[2][2]
+    if w * m[2][2] <= 1e-9:
+        return None
+    return complex((m[0][0] * x + m[0][1] * y + m[0][2]) / w, (m[1][0] * x + m[1][1] * y + m[1][2]) / w)
+
+
+def fitted(camera_size: tuple[int, int], programme_size: tuple[int, int]) -> Transform:
+    """The picture upright and whole in the programme: what a camera without homography gets."""
+    scale = min(programme_size[0] / camera_size[0], programme_size[1] / camera_size[1])
+    return Transform(0.0, 0.0, scale, 0.0)
+
+
+def closest(
+    homography: Matrix, camera_size: tuple[int, int], programme_size: tuple[int, int], field_px: complex
+) -> Transform:
+    """The similarity nearest to ``homography`` (camera pixel -> programme pixel) by weighted least squares.
+
+    field_px: the surgical field's middle in programme pixels (x + iy); points near it weigh more, because there is
+    where a cut is judged. Points outside the camera's picture do not count; where hardly any is left inside (a
+    camera that sees past the programme), all of the programme counts.
+    """
+    width, height = programme_size
+    inverse = invert(homography)
+    inside: list[tuple[complex, complex, float]] = []
+    everywhere: list[tuple[complex, complex, float]] = []
+    for row in range(GRID):
+        for column in range(GRID):
+            target = complex(column * (width - 1) / (GRID - 1), row * (height - 1) / (GRID - 1))
+            source = project(inverse, target)
+            if source is None:
+                continue
+            weight = exp(-0.5 * (abs(target - field_px) / (SPREAD * width)) ** 2)
+            everywhere.append((source, target, weight))
+            if -0.5 <= source.real <= camera_size[0] - 0.5 and -0.5 <= source.imag <= camera_size[1] - 0.5:
+                inside.append((source, target, weight))
+    points = inside if len(inside) >= GRID else everywhere
+    if len(points) < GRID:
+        return fitted(camera_size, programme_size)
+    total = sum(w for _, _, w in points)
+    source_mean = sum(z * w for z, _, w in points) / total
+    target_mean = sum(q * w for _, q, w in points) / total
+    spread = sum(w * abs(z - source_mean) ** 2 for z, _, w in points)
+    turn = sum(w * (z - source_mean).conjugate() * (q - target_mean) for z, q, w in points) / spread
+    middle = complex((camera_size[0] - 1) / 2, (camera_size[1] - 1) / 2)
+    shift = turn * (middle - source_mean) + target_mean - complex((width - 1) / 2, (height - 1) / 2)
+    return Transform(shift.real, 0.0 - shift.imag, abs(turn), 0.0 - cmath.phase(turn))

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Small EDLs, and what an untouched sequencer looks like after a plan was built."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import attrs
+
+from blender_addon.plan import StripPlan
+from blender_addon.readback import FoundCamera, FoundStrip, SequencerState
+from mcsl_core.edl import IDENTITY, Camera, Edl, Media, Pose, Shot
+from mcsl_core.timing import FrameRange
+
+R = FrameRange
+CAMERAS = ("cam1", "cam2", "cam3")
+
+
+def small_edl(frames: int = 300, **fields) -> Edl:
+    """Three cameras, reference cam1, one pose; shots cam1 [0,100), cam2 [100,200), cam3 [200,300)."""
+    third = frames // 3
+    given = {
+        "rate": Fraction(30),
+        "size": (320, 180),
+        "frames": frames,
+        "reference": "cam1",
+        "cameras": tuple(
+            Camera(name, (Media(f"{name}.mp4", frames),), size=(320, 180), rate=Fraction(30)) for name in CAMERAS
+        ),
+        "poses": (Pose(R(0, frames), dict.fromkeys(CAMERAS, IDENTITY)),),
+        "shots": (
+            Shot(R(0, third), "cam1"),
+            Shot(R(third, 2 * third), "cam2"),
+            Shot(R(2 * third, frames), "cam3"),
+        ),
+    }
+    return Edl(**{**given, **fields})
+
+
+def state_of(plan: StripPlan) -> SequencerState:
+    """The sequencer just after building ``plan``, as reading it back must find it."""
+    return SequencerState(
+        strips=tuple(
+            FoundStrip(s.id, plan.programme_channel, s.range.start, s.range.stop, s.source) for s in plan.programme
+        ),
+        cameras=tuple(
+            FoundCamera(track.camera, track.channel, piece.range.start, piece.range.stop)
+            for track in plan.cameras
+            for file in track.files
+            for piece in file.pieces
+        ),
+        automatic=plan.automatic,
+    )
+
+
+def with_strips(state: SequencerState, *strips: FoundStrip) -> SequencerState:
+    return attrs.evolve(state, strips=tuple(strips))
