@@ -1,0 +1,104 @@
+"""The table as seen by the lamp: one lit colour map of everything that lies still, and the field's states over time.
+
+Maps are BGR uint8 over the square of surface.py, but finer; the field's states are cut-outs in its middle.
+"""
+
+from __future__ import annotations
+
+import attrs
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from .drapes import paint_drapes
+from .paint import lambert, mix, normals, shine, to_uint8
+from .props import gauze_in_field, litter
+from .rig import CAMERA_CIRCLE_MM, LAMP_HEIGHT_MM, Rig
+from .scenario import Scenario
+from .surface import HALF_MM, Surface, plan, sample
+from .tissue import Tissue, paint_tissue
+
+FIELD_HALF_MM = 135.0
+"""The field's cut-out reaches this far from the middle."""
+
+
+@attrs.frozen(eq=False)
+class Ground:
+    """What lies still: ``base`` is the whole map, the field in it as it was painted, without blood."""
+
+    scenario: Scenario
+    surface: Surface
+    pitch_mm: float
+    base: NDArray
+    cut: tuple[slice, slice]
+    """Where the field's states lie in the map."""
+    cloth: NDArray
+    """Lit drapes in the cut-out (float BGR)."""
+    layer: NDArray
+    """What lies on top in the cut-out: BGR and, fourth, how much of the field shines through."""
+    tissue: Tissue
+    light: NDArray
+    normal: NDArray
+    glints: tuple[NDArray, ...]
+    """Per camera: how strongly a wet place would mirror the lamp into it."""
+
+    @classmethod
+    def of(cls, scenario: Scenario, surface: Surface, rig: Rig) -> Ground:
+        # As fine as the pictures, within reason: half a millimetre where a picture is 960 wide.
+        pitch = float(np.clip(480.0 / scenario.size[0], 0.3, 1.0))
+        pitch = HALF_MM / round(HALF_MM / pitch)
+        x, y = plan(pitch)
+        coarse = sample(surface.height_mm, x, y)
+        colour, bump = paint_drapes(scenario, surface.site, x, y, pitch)
+        reach = round(FIELD_HALF_MM / pitch)
+        middle = round(HALF_MM / pitch)
+        cut = (slice(middle - reach, middle + reach + 1),) * 2
+        tissue = paint_tissue(scenario, surface.site, x[cut], y[cut], pitch)
+        bump[cut] = bump[cut] * (1 - tissue.opening) + tissue.bump_mm * tissue.opening
+        normal = normals(coarse + bump, pitch)
+        light = lighting(coarse, normal, x, y, pitch)
+        colour *= light[..., None]
+        layer = np.zeros((*x.shape, 4), np.float32)
+        layer[..., 3] = 1
+        litter(scenario, surface.site, layer, pitch)
+        base = to_uint8(colour * layer[..., 3:] + layer[..., :3])
+        glints = tuple(glint(normal[cut], azimuth) for azimuth in rig.azimuth_deg)
+        return cls(
+            scenario, surface, pitch, base, cut, colour[cut].copy(), layer[cut].copy(), tissue,
+            light[cut].copy(), normal[cut].copy(), glints,
+        )  # fmt: skip
+
+    def state(self, stage: int, camera: int) -> NDArray:
+        """The field's cut-out (BGR uint8) after ``stage`` steps of the operation, as it glistens to ``camera``."""
+        rng = self.scenario.stream("blood", stage)
+        # It bleeds, is wiped, and bleeds again.
+        level = 1.25 - 0.17 * (stage % 3) + rng.uniform(-0.1, 0.1)
+        colour, wet = self.tissue.with_blood(level, self.scenario.stream("specks", stage // 3))
+        lit = colour * self.light[..., None] + (0.62 * wet * self.glints[camera])[..., None]
+        gauze_in_field(self.scenario, lit, self.surface.site, self.pitch_mm, -FIELD_HALF_MM)
+        lit = mix(self.cloth, lit, self.tissue.opening)
+        return to_uint8(lit * self.layer[..., 3:] + self.layer[..., :3])
+
+
+def lighting(height: NDArray, normal: NDArray, x: NDArray, y: NDArray, pitch: float) -> NDArray:
+    """How bright a white thing would look: a wide lamp from above, brightest in the middle, hollows darker."""
+    diffuse = 0.62 * lambert(normal, (0.0, 0.0, 1.0)) + 0.33 * lambert(normal, (0.55, 0.4, 0.75))
+    diffuse += 0.12 * lambert(normal, (-0.8, 0.1, 0.5))
+    small = cv2.resize(height, None, fx=pitch / 1.5, fy=pitch / 1.5, interpolation=cv2.INTER_AREA)
+    near, far = cv2.GaussianBlur(small, (0, 0), 5 / 1.5), cv2.GaussianBlur(small, (0, 0), 16 / 1.5)
+    hollow = np.clip((small - near) / 7, -0.35, 0.15) + np.clip((small - far) / 22, -0.45, 0.15)
+    hollow = cv2.resize(hollow, (height.shape[1], height.shape[0]), interpolation=cv2.INTER_LINEAR)
+    spot = 0.40 + 0.72 * np.exp(-(x * x + y * y) / (2 * 190.0**2))
+    return (diffuse * (1 + hollow) * spot).astype(np.float32)
+
+
+def glint(normal: NDArray, azimuth_deg: float) -> NDArray:
+    """The lamp's modules mirrored towards the camera at that azimuth by a wet surface."""
+    azimuth = np.deg2rad(azimuth_deg)
+    eye = np.array([CAMERA_CIRCLE_MM * np.cos(azimuth), CAMERA_CIRCLE_MM * np.sin(azimuth), LAMP_HEIGHT_MM])
+    eye /= np.linalg.norm(eye)
+    total = np.zeros(normal.shape[:2], np.float32)
+    for turn, share in ((0.0, 0.7), (1.9, 0.6), (-1.9, 0.6), (3.1, 0.5)):
+        lamp = np.array([260 * np.cos(azimuth + turn), 260 * np.sin(azimuth + turn), LAMP_HEIGHT_MM])
+        total += share * shine(normal, eye + lamp / np.linalg.norm(lamp), 130)
+    return np.minimum(total, 1.3)

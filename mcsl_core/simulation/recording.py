@@ -1,0 +1,159 @@
+"""Films a scenario: one video file a camera, side by side in threads, and the truth about them."""
+
+from __future__ import annotations
+
+import os
+import threading
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcsl_core.errors import Cancelled, InputError
+from mcsl_core.progress import Progress
+from mcsl_core.video import Encoding, VideoWriter
+
+from .clocks import Clock, clocks, frame_counts
+from .ground import Ground
+from .render import CameraPictures
+from .scenario import Scenario
+from .schedule import movement_frames
+from .sound import RATE, Microphone, Room
+from .staging import Play
+from .truth import PoseTruth, Truth, _best_plane, _rms, own_frame, save_truth, transfer
+
+
+def simulate(scenario: Scenario, out: Path, progress: Progress) -> Truth:
+    """Writes cam1.mp4, cam2.mp4, ... and truth.json with truth.npz into the folder ``out``, which is made if need be.
+
+    Files of an earlier simulation there are replaced. Nothing half-written is left when it fails or is stopped.
+    """
+    out = Path(out)
+    progress.stage("scene")
+    play = Play.of(scenario)
+    ground = Ground.of(scenario, play.surface, play.rig)
+    room = Room(scenario) if scenario.audio else None
+    counts, times = frame_counts(scenario), clocks(scenario)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        (out / "truth.json").unlink(missing_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"cannot be written to ({error.strerror})", where=str(out), remedy="Choose another folder"
+        ) from error
+    progress.stage("film", sum(counts), "frames")
+    filming = Filming(play, ground, room, times, counts, out)
+    visible = filming.run(progress)
+    truth = _truth(play, times, counts, visible)
+    save_truth(truth, out)
+    return truth
+
+
+class Filming:
+    """All cameras at work at once; OpenCV and the encoder leave Python's lock alone while they work."""
+
+    def __init__(self, play: Play, ground: Ground, room: Room | None, times, counts, out: Path) -> None:
+        self._play, self._ground, self._room = play, ground, room
+        self._times: tuple[Clock, ...] = times
+        self._counts: tuple[int, ...] = counts
+        self._files = [out / f"{name}.mp4" for name in play.scenario.camera_names]
+        self._done = [0] * len(counts)
+        self._stop = threading.Event()
+
+    def run(self, progress: Progress) -> list[NDArray]:
+        """Per camera, (own frames, 2) visible fractions: all things counted, and without hands."""
+        cameras = range(len(self._counts))
+        finished = False
+        with ThreadPoolExecutor(min(len(cameras), max(2, os.cpu_count() or 1))) as pool:
+            jobs = [pool.submit(self._camera, camera) for camera in cameras]
+            try:
+                pending = set(jobs)
+                while pending:
+                    _, pending = wait(pending, 0.2, FIRST_EXCEPTION)
+                    for job in jobs:
+                        if job.done():
+                            job.result()
+                    progress.advance(sum(self._done))
+                finished = True
+            finally:
+                if not finished:
+                    self._stop.set()
+                    wait(jobs)
+                    for file in self._files:
+                        file.unlink(missing_ok=True)
+        return [job.result() for job in jobs]
+
+    def _camera(self, camera: int) -> NDArray:
+        scenario = self._play.scenario
+        pictures = CameraPictures(self._play, self._ground, camera, self._times[camera])
+        ear = Microphone(self._room, scenario, camera, self._times[camera]) if self._room else None
+        visible = np.zeros((self._counts[camera], 2))
+        rate = scenario.rate
+        heard, length = 0, round(self._counts[camera] / rate * RATE)
+        with VideoWriter(
+            self._files[camera],
+            size=scenario.size,
+            rate=rate,
+            encoding=Encoding(options={"preset": "superfast", "crf": str(scenario.crf)}),
+            keyframe_interval=max(1, round(Fraction(scenario.keyframe_s) * rate)),
+            audio_rate=RATE if ear else None,
+        ) as writer:
+            for k in range(self._counts[camera]):
+                if self._stop.is_set():
+                    raise Cancelled
+                if ear and heard <= k / rate * RATE and heard < length:
+                    piece = min(RATE, length - heard)
+                    writer.write_audio(ear.read(piece))
+                    heard += piece
+                planes, visible[k] = pictures.frame(k)
+                writer.write(planes)
+                self._done[camera] = k + 1
+        return visible
+
+
+def _truth(play: Play, times: tuple[Clock, ...], counts: tuple[int, ...], visible: list[NDArray]) -> Truth:
+    scenario = play.scenario
+    names = scenario.camera_names
+    shown = np.zeros((2, scenario.frames, len(names)))
+    for c, clock in enumerate(times):
+        own = np.array([own_frame(clock, scenario.rate, n) for n in range(scenario.frames)])
+        there = (own >= 0) & (own < counts[c])
+        shown[:, there, c] = visible[c][own[there]].T
+    movements = movement_frames(scenario)
+    edges = [0, *(edge for movement in movements for edge in movement), scenario.frames]
+    points = play.surface.field_points_mm
+    poses, errors = [], []
+    for n, pose in enumerate(play.path.poses):
+        views = [play.rig.view(c, pose) for c in range(len(names))]
+        px = np.stack([view.project(points) for view in views])
+        poses.append(
+            PoseTruth(
+                range=(edges[2 * n], edges[2 * n + 1]),
+                K=np.stack([v.K for v in views]),
+                R=np.stack([v.R for v in views]),
+                t=np.stack([v.t for v in views]),
+                field_points_px=px,
+            )
+        )
+        errors.append(
+            {name: _rms(transfer(_best_plane(px[c], px[0]), px[c]), px[0]) for c, name in enumerate(names) if c}
+        )
+    return Truth(
+        scenario=scenario,
+        rate=scenario.rate,
+        frames=scenario.frames,
+        size=scenario.size,
+        cameras=names,
+        files=tuple(f"{name}.mp4" for name in names),
+        reference=names[0],
+        camera_frames=counts,
+        clocks=times,
+        movements=movements,
+        poses=tuple(poses),
+        field_points_mm=points,
+        visible_field=shown[0],
+        visible_field_without_hands=shown[1],
+        best_plane_error_px=tuple(errors),
+    )

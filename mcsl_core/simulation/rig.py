@@ -1,0 +1,115 @@
+"""The lamp and its cameras.
+
+World: mm, right-handed, z up, the table about z = 0, the surgical field about the origin. Camera: x right, y down,
+z forward; a world point X is seen at K (R X + t), pixel centres at integers. Camera 0 is the reference.
+"""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from .scenario import Scenario
+
+LAMP_HEIGHT_MM = 1000.0
+CAMERA_CIRCLE_MM = 300.0
+FOCAL_PER_WIDTH = 1.85
+"""Focal length over picture width: some 54 x 30 cm of the table from 1 m."""
+
+
+def unit(v: NDArray) -> NDArray:
+    return v / np.linalg.norm(v)
+
+
+@attrs.frozen(eq=False)
+class View:
+    """One camera at one moment: intrinsics K (3x3, pixels), rotation R (3x3) and translation t (mm)."""
+
+    K: NDArray
+    R: NDArray
+    t: NDArray
+
+    @property
+    def centre_mm(self) -> NDArray:
+        return -self.R.T @ self.t
+
+    def project(self, points_mm: NDArray) -> NDArray:
+        """(N, 3) world points to (N, 2) pixels."""
+        seen = (points_mm @ self.R.T + self.t) @ self.K.T
+        return seen[:, :2] / seen[:, 2:]
+
+    def rays(self, px: NDArray) -> NDArray:
+        """World directions (not normalised) through pixels (..., 2)."""
+        homogeneous = np.concatenate([px, np.ones((*px.shape[:-1], 1))], -1)
+        return homogeneous @ (self.R.T @ np.linalg.inv(self.K)).T
+
+
+@attrs.frozen(eq=False)
+class LampPose:
+    """Where the lamp is: its centre, the point its axis looks at, its turn about that axis, its zoom."""
+
+    centre_mm: NDArray
+    aim_mm: NDArray
+    turn_deg: float = 0.0
+    zoom: float = 1.0
+
+    def towards(self, other: LampPose, way: float) -> LampPose:
+        """The pose ``way`` (0..1) between this one and ``other``."""
+        return LampPose(
+            self.centre_mm + way * (other.centre_mm - self.centre_mm),
+            self.aim_mm + way * (other.aim_mm - self.aim_mm),
+            self.turn_deg + way * (other.turn_deg - self.turn_deg),
+            self.zoom + way * (other.zoom - self.zoom),
+        )
+
+    @property
+    def axes(self) -> NDArray:
+        """Columns: the lamp's own x, y, z (up) directions in the world."""
+        up = unit(self.centre_mm - self.aim_mm)
+        turn = np.deg2rad(self.turn_deg)
+        ahead = np.array([np.cos(turn), np.sin(turn), 0.0])
+        x = unit(ahead - (ahead @ up) * up)
+        return np.stack([x, np.cross(up, x), up], 1)
+
+
+@attrs.frozen(eq=False)
+class Rig:
+    """The cameras as they are built into the lamp: on a circle, each turned against its neighbour."""
+
+    size: tuple[int, int]
+    azimuth_deg: NDArray
+    focal_px: NDArray
+    aim_error_mm: NDArray
+    roll_error_deg: NDArray
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Rig:
+        rng = scenario.stream("rig")
+        n = scenario.cameras
+        width = scenario.size[0]
+        return cls(
+            scenario.size,
+            -90.0 + 360.0 / n * np.arange(n) + rng.normal(0, 0.6, n),
+            FOCAL_PER_WIDTH * width * (1 + rng.uniform(-0.035, 0.035, n)),
+            rng.normal(0, 9.0, (n, 2)),
+            rng.normal(0, 1.5, n),
+        )
+
+    def view(self, camera: int, pose: LampPose) -> View:
+        """Where ``camera`` stands and looks while the lamp is at ``pose``."""
+        azimuth = np.deg2rad(self.azimuth_deg[camera])
+        radial = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
+        at = CAMERA_CIRCLE_MM * radial
+        look = unit(np.array([*self.aim_error_mm[camera], -LAMP_HEIGHT_MM]) - at)
+        # The top of each picture points to the lamp's axis, so neighbours are turned by the angle between them.
+        roll = np.deg2rad(self.roll_error_deg[camera])
+        up = -radial * np.cos(roll) + np.cross(look, radial) * np.sin(roll)
+        down = unit(-(up - (up @ look) * look))
+        local = np.stack([np.cross(down, look), down, look])
+        R = local @ pose.axes.T
+        centre = pose.centre_mm + pose.axes @ at
+        width, height = self.size
+        focal = self.focal_px[camera] * pose.zoom
+        K = np.array([[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1]])
+        return View(K, R, -R @ centre)

@@ -1,0 +1,108 @@
+"""What is to be simulated: one frozen value, checked when it is made. Lengths in mm, times in seconds.
+
+Everything drawn from chance comes from ``Scenario.stream(name)``, so a change in one part of the simulator
+leaves the others as they were, and the same scenario always gives the same recording.
+"""
+
+from __future__ import annotations
+
+import zlib
+from fractions import Fraction
+
+import attrs
+import numpy as np
+
+DRAPES = ("green", "blue", "white")
+SKINS = ("light", "medium", "dark")
+GLOVES = ("white", "blue", "skin", "green")
+
+
+def _within(low: float, high: float):
+    def check(_: object, attribute: attrs.Attribute, value: float) -> None:
+        if not low <= value <= high:
+            raise ValueError(f"{attribute.name} must lie between {low} and {high}, got {value}")
+
+    return check
+
+
+def _one_of(choices: tuple[str, ...]):
+    def check(_: object, attribute: attrs.Attribute, value: str) -> None:
+        if value not in choices:
+            raise ValueError(f"{attribute.name} must be one of {', '.join(choices)}, got {value!r}")
+
+    return check
+
+
+def _even_size(_: object, attribute: attrs.Attribute, value: tuple[int, int]) -> None:
+    if len(value) != 2 or any(v % 2 or not 64 <= v <= 4096 for v in value):
+        raise ValueError(f"{attribute.name} must be (width, height), both even and 64 to 4096, got {value}")
+
+
+def _movements(value: int | tuple) -> int | tuple[tuple[float, float], ...]:
+    if isinstance(value, int):
+        return value
+    return tuple((float(start), float(length)) for start, length in value)
+
+
+@attrs.frozen(kw_only=True)
+class Scenario:
+    """A simulated operation: what is filmed, for how long, and by which cameras."""
+
+    seed: int = attrs.field(default=0, validator=_within(0, 2**32 - 1))
+    duration_s: float = attrs.field(default=60.0, converter=float, validator=_within(0.5, 24 * 3600))
+    size: tuple[int, int] = attrs.field(default=(960, 540), converter=tuple, validator=_even_size)
+    rate: Fraction = attrs.field(default=Fraction(30000, 1001), converter=Fraction, validator=_within(1, 240))
+    cameras: int = attrs.field(default=5, validator=_within(1, 9))
+    movements: int | tuple[tuple[float, float], ...] = attrs.field(default=1, converter=_movements)
+    """How many lamp movements (placed by chance), or each one's (start_s, length_s) in programme time."""
+    keyframe_s: float = attrs.field(default=1.0, converter=float, validator=_within(0.02, 60))
+    clock_offset_s: float = attrs.field(default=0.3, converter=float, validator=_within(0, 30))
+    """Largest absolute clock offset of the cameras other than the reference."""
+    drift_ppm: float = attrs.field(default=20.0, converter=float, validator=_within(0, 1000))
+    """Largest absolute clock drift of the cameras other than the reference."""
+    relief_mm: float = attrs.field(default=35.0, converter=float, validator=_within(0, 80))
+    """Height span of the surgical field (1st to 99th percentile); 0 makes it flat."""
+    drape: str = attrs.field(default="green", validator=_one_of(DRAPES))
+    skin: str = attrs.field(default="light", validator=_one_of(SKINS))
+    gloves: str = attrs.field(default="white", validator=_one_of(GLOVES))
+    heads: int = attrs.field(default=3, validator=_within(0, 4))
+    """People whose heads lean into the views."""
+    hands: int = attrs.field(default=3, validator=_within(0, 4))
+    """Gloved hands that work in the field."""
+    noise: float = attrs.field(default=1.2, converter=float, validator=_within(0, 10))
+    """Sensor noise, standard deviation in luma levels of 255."""
+    crf: int = attrs.field(default=20, validator=_within(0, 51))
+    audio: bool = True
+
+    def __attrs_post_init__(self) -> None:
+        if isinstance(self.movements, int):
+            if self.movements < 0:
+                raise ValueError(f"movements must not be negative, got {self.movements}")
+            if self.movements * 8.0 > self.duration_s:
+                raise ValueError(
+                    f"{self.movements} movements need {self.movements * 8} s at least, "
+                    f"the recording has {self.duration_s:g} s: make it longer or give their times yourself"
+                )
+            return
+        last = 0.0
+        for start, length in sorted(self.movements):
+            if length < 0.2 or start <= last or start + length >= self.duration_s:
+                raise ValueError(
+                    f"movement (start_s={start:g}, length_s={length:g}) must last 0.2 s or more, lie within the "
+                    f"recording's {self.duration_s:g} s and begin after the one before it has ended"
+                )
+            last = start + length
+
+    @property
+    def frames(self) -> int:
+        """Frames of the programme, which are those of the reference camera."""
+        return max(1, int(self.duration_s * self.rate))
+
+    @property
+    def camera_names(self) -> tuple[str, ...]:
+        return tuple(f"cam{n + 1}" for n in range(self.cameras))
+
+    def stream(self, *name: object) -> np.random.Generator:
+        """The chance that belongs to one named part of this scenario."""
+        words = [zlib.crc32(str(part).encode()) for part in name]
+        return np.random.default_rng([self.seed, *words])

@@ -1,0 +1,138 @@
+"""Who stands where in a moment: every sprite with its plane in the world, in the order in which they are drawn.
+
+A placement puts a sprite's plane at ``origin`` (mm) with the plane's x and y along ``ahead`` and ``aside``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from . import actors
+from .rig import LampPose, Rig, unit
+from .scenario import Scenario
+from .schedule import LampPath, Person, Progression, Worker, ease, lamp_path, people, sway, workers
+from .solids import Sprite
+from .surface import Surface
+
+UP = np.array([0.0, 0.0, 1.0])
+HANDLE_BELOW_LAMP_MM = 190.0
+
+
+@attrs.frozen(eq=False)
+class Placement:
+    sprite: Sprite
+    origin: NDArray
+    ahead: NDArray
+    aside: NDArray
+    is_hand: bool
+    """True for hands at work, which hide the field for every camera alike; False for heads and reaching arms."""
+    facing: bool = False
+    """A round thing, to be turned towards whoever looks."""
+    shade_z: float | None = None
+    """Height of the surface below, if it is near enough to be shaded."""
+
+
+@attrs.frozen(eq=False)
+class Cast:
+    """All sprites of a scenario."""
+
+    hands: tuple[tuple[Sprite, ...], ...]
+    sleeves: tuple[Sprite, ...]
+    heads: tuple[Sprite, ...]
+    shoulders: tuple[Sprite, ...]
+    fist: Sprite
+    arm: Sprite
+
+    @classmethod
+    def of(cls, scenario: Scenario, crew: tuple[Worker, ...]) -> Cast:
+        fine = 480.0 / scenario.size[0]
+        grips = np.linspace(0, 1, actors.GRIPS)
+        return cls(
+            tuple(
+                tuple(actors.hand(scenario, n, w.kind, float(g), w.left, fine) for g in grips)
+                for n, w in enumerate(crew)
+            ),
+            tuple(actors.sleeve(scenario, n, 1.6 * fine) for n in range(len(crew))),
+            tuple(actors.head(scenario, n, 1.2 * fine) for n in range(scenario.heads)),
+            tuple(actors.shoulders(scenario, n, 2.4 * fine) for n in range(scenario.heads)),
+            actors.holding_hand(scenario, 0, False, 1.2 * fine),
+            actors.sleeve(scenario, 99, 1.6 * fine, 520.0),
+        )
+
+
+@attrs.frozen(eq=False)
+class Play:
+    """The whole operation: what happens, and who plays in it."""
+
+    scenario: Scenario
+    surface: Surface
+    rig: Rig
+    path: LampPath
+    persons: tuple[Person, ...]
+    crew: tuple[Worker, ...]
+    cast: Cast
+    progression: Progression
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Play:
+        surface = Surface.of(scenario)
+        rig = Rig.of(scenario)
+        path = lamp_path(scenario)
+        persons = people(scenario, rig, path)
+        crew = workers(scenario, persons, surface.site.wound_mm, surface.site.axis_deg)
+        return cls(scenario, surface, rig, path, persons, crew, Cast.of(scenario, crew), Progression(path.movements))
+
+    def placements(self, t: float) -> Iterator[Placement]:
+        """Everybody in the picture at programme time ``t``, the lowest first."""
+        for n, worker in enumerate(self.crew):
+            yield from self._working_hand(n, worker, t)
+        for n, person in enumerate(self.persons):
+            at = person.head_at(t)
+            inward = -person.outward
+            yield Placement(self.cast.shoulders[n], at - 85 * inward - 125 * UP, inward, np.cross(UP, inward), False)
+        for n, person in enumerate(self.persons):
+            yield Placement(
+                self.cast.heads[n], person.head_at(t), -person.outward, np.cross(UP, -person.outward), False, True
+            )
+        yield from self._reaching_arm(t)
+
+    def _working_hand(self, n: int, worker: Worker, t: float) -> Iterator[Placement]:
+        x, y, lift = worker.tip_at(t)
+        ground = float(self.surface.height_at(np.array([x]), np.array([y]))[0])
+        tip = np.array([x, y, ground + 1.0 + max(lift, 0.0)])
+        azimuth = np.deg2rad(worker.azimuth_deg)
+        elbow = np.array([470 * np.cos(azimuth), 470 * np.sin(azimuth), 210.0])
+        ahead = unit(np.array([*(tip - elbow)[:2], 0.0]))
+        sloping = unit(ahead - np.array([0, 0, 0.24]))
+        grips = self.cast.hands[n]
+        step = round(float(worker.grip.at(t)[0]) * (len(grips) - 1))
+        wrist = tip - (actors.REACH_MM - 6) * sloping
+        forearm = unit(wrist - elbow)
+        yield Placement(self.cast.sleeves[n], wrist, forearm, unit(np.cross(UP, forearm)), True, shade_z=ground)
+        yield Placement(grips[step], tip, sloping, np.cross(UP, ahead), True, shade_z=ground)
+
+    def _reaching_arm(self, t: float) -> Iterator[Placement]:
+        """Somebody takes the lamp's handle a little before a movement and lets go a little after it."""
+        for n, (start, stop) in enumerate(self.path.movements):
+            if not start - 1.4 < t < stop + 1.3:
+                continue
+            rng = self.scenario.stream("reach", n)
+            azimuth = rng.uniform(0, 2 * np.pi)
+            outward = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
+            held = ease((t - start + 1.4) / 1.2) * ease((stop + 1.3 - t) / 1.1)
+            pose, _ = self.path.pose(t)
+            shoulder = outward * 520 + 360 * UP
+            hand = shoulder * 0.85 + held * (handle(pose) - shoulder * 0.85) + sway(t, rng.uniform(0, 6, 3), 3)
+            forearm = unit(hand - shoulder)
+            level = unit(forearm * (1, 1, 0))
+            yield Placement(self.cast.arm, hand - 130 * forearm, forearm, unit(np.cross(UP, forearm)), False)
+            yield Placement(self.cast.fist, hand, unit(level + 0.5 * forearm), np.cross(UP, level), False)
+
+
+def handle(pose: LampPose) -> NDArray:
+    """The sterile handle below the lamp's middle."""
+    return pose.centre_mm - HANDLE_BELOW_LAMP_MM * pose.axes[:, 2]

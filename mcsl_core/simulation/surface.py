@@ -1,0 +1,170 @@
+"""The relief below the lamp: heights in mm over a square of the table, and the surgical field in its middle.
+
+Maps are square; column and row of a sample are (x + HALF_MM) / pitch and (y + HALF_MM) / pitch.
+"""
+
+from __future__ import annotations
+
+import attrs
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from .paint import clouds, smoothstep, waves
+from .rig import View
+from .scenario import Scenario
+
+HALF_MM = 480.0
+PITCH_MM = 1.5
+SIDE = int(2 * HALF_MM / PITCH_MM) + 1
+
+
+def plan(pitch_mm: float = PITCH_MM, half_mm: float = HALF_MM) -> tuple[NDArray, NDArray]:
+    """x and y (mm, float32) of every sample of a map."""
+    line = np.arange(int(2 * half_mm / pitch_mm) + 1, dtype=np.float32) * pitch_mm - half_mm
+    return np.meshgrid(line, line)
+
+
+@attrs.frozen(eq=False)
+class Site:
+    """The lie of the operation: the drapes' opening and the incision in it."""
+
+    axis_deg: float
+    """Direction of the incision."""
+    towels: NDArray
+    """(4, 3): unit normal and distance of each drape's edge; the opening is where n.p < d for all."""
+    order: NDArray
+    """The order in which the four towels were laid."""
+    wound_mm: tuple[float, float]
+    """Half length and half width of the incision, held open."""
+    bend: float
+    wobble: NDArray
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Site:
+        rng = scenario.stream("site")
+        axis = rng.uniform(-25, 25)
+        reach = (rng.uniform(86, 98), rng.uniform(56, 66), rng.uniform(86, 98), rng.uniform(56, 66))
+        angles = np.deg2rad(axis + 90 * np.arange(4) + rng.uniform(-7, 7, 4))
+        towels = np.stack([np.cos(angles), np.sin(angles), reach], 1)
+        wound = (rng.uniform(52, 62), rng.uniform(23, 29))
+        return cls(axis, towels, rng.permutation(4), wound, rng.uniform(-0.0022, 0.0022), rng.normal(0, 1, 8))
+
+    def along(self, x: NDArray, y: NDArray) -> tuple[NDArray, NDArray]:
+        """Coordinates along and across the incision, mm."""
+        c, s = np.cos(np.deg2rad(self.axis_deg)), np.sin(np.deg2rad(self.axis_deg))
+        u, v = c * x + s * y, -s * x + c * y
+        return u, v - self.bend * u * u
+
+    def edge(self, n: int, x: NDArray, y: NDArray) -> NDArray:
+        """mm from towel n's edge, positive on the towel."""
+        nx, ny, d = self.towels[n]
+        s = -ny * x + nx * y
+        wave = 2.2 * np.sin(s / 31 + self.wobble[n]) + 1.2 * np.sin(s / 13.7 + 2 * self.wobble[n + 4])
+        return nx * x + ny * y - d + wave - 0.0007 * s * s
+
+    def opening(self, x: NDArray, y: NDArray) -> NDArray:
+        """mm inside the opening: positive on bare skin, negative under drapes."""
+        return -np.max([self.edge(n, x, y) for n in range(4)], axis=0)
+
+    def wound(self, x: NDArray, y: NDArray) -> NDArray:
+        """1 along the incision's middle, 0 at its lips, negative outside."""
+        u, v = self.along(x, y)
+        length, width = self.wound_mm
+        ragged = 1 + 0.05 * np.sin(u / 7.3 + self.wobble[0]) + 0.04 * np.sin(u / 3.1 + self.wobble[1])
+        lens = width * ragged * np.sqrt(np.clip(1 - (u / length) ** 2, 1e-4, None))
+        return 1 - np.maximum(np.abs(v) / lens, np.abs(u) / length)
+
+
+@attrs.frozen(eq=False)
+class Surface:
+    """Heights (mm) and the points that stand for the surgical field."""
+
+    site: Site
+    height_mm: NDArray
+    field_points_mm: NDArray
+    """(N, 3), spread evenly over the field, some 300 of them: the truth's correspondences."""
+    dense_points_mm: NDArray
+    """(M, 3), 500 and more: what the visible fraction is counted on."""
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Surface:
+        site = Site.of(scenario)
+        height = relief(scenario, site)
+        return cls(site, height, spread(site, height, 9.0), spread(site, height, 6.0))
+
+    def height_at(self, x: NDArray, y: NDArray) -> NDArray:
+        return sample(self.height_mm, x, y)
+
+    def meet(self, view: View, px: NDArray) -> tuple[NDArray, NDArray]:
+        """x, y (mm, float32) where the rays through pixels (..., 2) meet the surface."""
+        rays = view.rays(px)
+        slope_x, slope_y = rays[..., 0] / rays[..., 2], rays[..., 1] / rays[..., 2]
+        cx, cy, cz = view.centre_mm
+        z = np.zeros(px.shape[:-1])
+        # Fixed-point steps; the half step keeps steep wound walls seen at a slant from oscillating.
+        for n in range(14):
+            x, y = cx + slope_x * (z - cz), cy + slope_y * (z - cz)
+            found = sample(self.height_mm, x, y)
+            z = found if n == 0 else z + 0.7 * (found - z)
+        return (cx + slope_x * (z - cz)).astype(np.float32), (cy + slope_y * (z - cz)).astype(np.float32)
+
+
+def sample(height: NDArray, x: NDArray, y: NDArray) -> NDArray:
+    """A map's values at points in mm, between the samples by straight lines."""
+    flat = cv2.remap(
+        height,
+        ((np.asarray(x) + HALF_MM) / PITCH_MM).astype(np.float32).reshape(np.shape(x)[0], -1),
+        ((np.asarray(y) + HALF_MM) / PITCH_MM).astype(np.float32).reshape(np.shape(x)[0], -1),
+        cv2.INTER_LINEAR,
+        borderMode=cv2.BORDER_REPLICATE,
+    )
+    return flat.reshape(np.shape(x))
+
+
+def relief(scenario: Scenario, site: Site) -> NDArray:
+    """The body's swell, the gaping wound with its lips and what bulges in it, drapes in folds around."""
+    rng = scenario.stream("relief")
+    x, y = plan()
+    shape = x.shape
+    u, v = site.along(x, y)
+    turn = rng.uniform(-0.5, 0.5)
+    across = v * np.cos(turn) + u * np.sin(turn)
+    along = u * np.cos(turn) - v * np.sin(turn)
+    body = -45 * (1 - np.exp(-((across / 190) ** 2) - (along / 420) ** 2)) + 1.6 * clouds(rng, shape, 45, 2)
+    depth = site.wound(x, y)
+    gap = smoothstep(-0.1, 1.0, cv2.GaussianBlur(depth.astype(np.float32), (0, 0), 2.2))
+    lips = np.exp(-(((depth + 0.22) / 0.28) ** 2)) * np.clip(1.2 - np.abs(u) / site.wound_mm[0], 0, 1)
+    bulge = np.exp(-(((u - rng.uniform(-16, 16)) / 26) ** 2) - (v / 11) ** 2)
+    flesh = body - rng.uniform(22, 28) * gap + 4.5 * lips + rng.uniform(7, 12) * bulge * gap
+    flesh += 0.9 * gap * waves(rng, shape, 5)
+    flesh = cv2.GaussianBlur(flesh.astype(np.float32), (0, 0), 2.4)
+    opening = site.opening(x, y)
+    inside = flesh[opening > 0]
+    span = np.percentile(inside, 99) - np.percentile(inside, 1)
+    scale = np.float32(scenario.relief_mm / span)
+    # What is scaled is the field; far out the body keeps falling at most as steeply as drawn above.
+    ground = (flesh - inside.mean()) * (scale + (min(scale, 1.0) - scale) * smoothstep(0, 120, -opening))
+    cloth = smoothstep(0, 14, -opening)
+    folds = drape_folds(rng, shape, opening) * cloth * min(1.0, scenario.relief_mm / 20)
+    height = ground + 1.5 * cloth * min(1.0, scenario.relief_mm / 5) + folds
+    return cv2.GaussianBlur(height.astype(np.float32), (0, 0), 1.1)
+
+
+def drape_folds(rng: np.random.Generator, shape: tuple[int, int], opening: NDArray) -> NDArray:
+    """Long soft ridges that grow away from the opening, where the cloth is held down."""
+    total = np.zeros(shape, np.float32)
+    for length, tall in ((70, 7.0), (34, 2.6)):
+        ridge = 1 - np.abs(waves(rng, shape, length) + 0.35 * waves(rng, shape, length / 2.3))
+        total += tall * np.clip(ridge, 0, 1) ** 2.2
+    return total * (0.25 + 0.75 * smoothstep(10, 110, -opening))
+
+
+def spread(site: Site, height: NDArray, step_mm: float) -> NDArray:
+    """Points on the field in a triangular grid of that step, keeping clear of the drapes' edge."""
+    rows = np.arange(-150, 150, step_mm * 0.866)
+    x = np.concatenate([np.arange(-180, 180, step_mm) + (n % 2) * step_mm / 2 for n in range(len(rows))])
+    y = np.repeat(rows, len(np.arange(-180, 180, step_mm)))
+    inside = site.opening(x, y) > 2.0
+    x, y = x[inside], y[inside]
+    return np.stack([x, y, sample(height, x[:, None], y[:, None])[:, 0]], 1).astype(np.float64)

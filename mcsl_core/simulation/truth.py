@@ -1,0 +1,220 @@
+"""What is really so in a simulated recording: ``truth.json`` with ``truth.npz`` beside it.
+
+Times and frames are the programme's, which are the reference camera's. Pixels are full-size, centres at integers;
+world points in mm (see rig.py). Cameras may be named by their index or their name.
+"""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from pathlib import Path
+
+import attrs
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from mcsl_core.errors import DocumentError
+
+from .clocks import Clock
+from .rig import View
+from .scenario import Scenario
+
+SCHEMA = "mcsl.truth/1"
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class PoseTruth:
+    """A stretch in which the lamp stands still, and what its cameras see of the field's points then."""
+
+    range: tuple[int, int]
+    """[start, stop) in programme frames."""
+    K: NDArray
+    """(cameras, 3, 3), pixels."""
+    R: NDArray
+    """(cameras, 3, 3), world to camera."""
+    t: NDArray
+    """(cameras, 3), mm."""
+    field_points_px: NDArray
+    """(cameras, N, 2): the truth's ``field_points_mm`` in each camera."""
+
+    def view(self, camera: int) -> View:
+        return View(self.K[camera], self.R[camera], self.t[camera])
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Truth:
+    """All that is known about a simulated recording."""
+
+    scenario: Scenario
+    rate: Fraction
+    frames: int
+    size: tuple[int, int]
+    cameras: tuple[str, ...]
+    files: tuple[str, ...]
+    """File names beside truth.json, one a camera."""
+    reference: str
+    camera_frames: tuple[int, ...]
+    """How many frames each file has."""
+    clocks: tuple[Clock, ...]
+    movements: tuple[tuple[int, int], ...]
+    """[first frame with any motion, first frame standing still again) of each movement."""
+    poses: tuple[PoseTruth, ...]
+    field_points_mm: NDArray
+    """(N, 3): points spread evenly over the surgical field, on its relief; the same for all poses."""
+    visible_field: NDArray
+    """(frames, cameras), 0..1: the fraction of the field's surface (counted on its dense points) that lies inside
+    that camera's picture and is hidden by nothing drawn above it: heads, shoulders, reaching arms, hands at work
+    and their instruments. Of a camera with no picture at that time, 0. A camera shows its latest frame."""
+    visible_field_without_hands: NDArray
+    """The same, with the hands at work left out: what heads, shoulders and reaching arms alone leave visible."""
+    best_plane_error_px: tuple[dict[str, float], ...]
+    """Per pose and camera: see ``best_plane_error``."""
+
+    def camera_index(self, camera: int | str) -> int:
+        return self.cameras.index(camera) if isinstance(camera, str) else camera
+
+    def own_frame(self, camera: int | str, frame: int) -> int | None:
+        """The camera's own frame shown at a programme frame, or None when it has none then."""
+        index = self.camera_index(camera)
+        k = own_frame(self.clocks[index], self.rate, frame)
+        return k if 0 <= k < self.camera_frames[index] else None
+
+
+def own_frame(clock: Clock, rate: Fraction, frame: int) -> int:
+    """The latest frame of a camera whose time has come at a programme frame; a billionth of slack for rounding."""
+    return int(np.floor(clock.own(float(frame / rate)) * float(rate) + 1e-9))
+
+
+def transfer(H: NDArray, px: NDArray) -> NDArray:
+    """(N, 2) pixels through a homography."""
+    moved = np.concatenate([px, np.ones((len(px), 1))], 1) @ np.asarray(H, float).T
+    return moved[:, :2] / moved[:, 2:]
+
+
+def _rms(a: NDArray, b: NDArray) -> float:
+    return float(np.sqrt(((a - b) ** 2).sum(1).mean()))
+
+
+def alignment_error(truth: Truth, pose_index: int, camera: int | str, H: NDArray) -> float:
+    """rms over the field's points, in reference pixels, of a homography camera pixel -> reference camera pixel."""
+    px = truth.poses[pose_index].field_points_px
+    return _rms(transfer(H, px[truth.camera_index(camera)]), px[truth.camera_index(truth.reference)])
+
+
+def best_plane(truth: Truth, pose_index: int, camera: int | str) -> NDArray:
+    """The homography camera -> reference with the least rms transfer error over the true correspondences."""
+    px = truth.poses[pose_index].field_points_px
+    return _best_plane(px[truth.camera_index(camera)], px[truth.camera_index(truth.reference)])
+
+
+def best_plane_error(truth: Truth, pose_index: int, camera: int | str) -> float:
+    """rms, in reference pixels, that the best single homography leaves over the field's relief."""
+    return alignment_error(truth, pose_index, camera, best_plane(truth, pose_index, camera))
+
+
+def _best_plane(source: NDArray, target: NDArray) -> NDArray:
+    # Both sides about the origin with unit spread, else the eight numbers differ by six orders of magnitude.
+    a, b = _normaliser(source), _normaliser(target)
+    p, q = transfer(a, source), transfer(b, target)
+    start, _ = cv2.findHomography(p, q)
+    solved = least_squares(
+        lambda h: (transfer(np.append(h, 1).reshape(3, 3), p) - q).ravel(), (start / start[2, 2]).ravel()[:8]
+    )
+    H = np.linalg.inv(b) @ np.append(solved.x, 1).reshape(3, 3) @ a
+    return H / H[2, 2]
+
+
+def _normaliser(px: NDArray) -> NDArray:
+    middle, spread = px.mean(0), px.std()
+    return np.array([[1 / spread, 0, -middle[0] / spread], [0, 1 / spread, -middle[1] / spread], [0, 0, 1]])
+
+
+def save_truth(truth: Truth, folder: Path) -> None:
+    """Writes truth.npz, then truth.json: where the JSON is, all else is."""
+    arrays: dict[str, NDArray] = {
+        "field_points_mm": truth.field_points_mm,
+        "visible_field": truth.visible_field,
+        "visible_field_without_hands": truth.visible_field_without_hands,
+    }
+    for n, pose in enumerate(truth.poses):
+        arrays[f"pose{n}_field_points_px"] = pose.field_points_px
+    np.savez_compressed(folder / "truth.npz", **arrays)  # type: ignore[arg-type]
+    scenario = attrs.asdict(truth.scenario, recurse=False)
+    scenario["rate"] = str(truth.scenario.rate)
+    document = {
+        "schema": SCHEMA,
+        "scenario": scenario,
+        "rate": str(truth.rate),
+        "frames": truth.frames,
+        "size": truth.size,
+        "reference": truth.reference,
+        "cameras": [
+            {"name": name, "file": file, "frames": count, "clock": attrs.asdict(clock)}
+            for name, file, count, clock in zip(
+                truth.cameras, truth.files, truth.camera_frames, truth.clocks, strict=True
+            )
+        ],
+        "movements": truth.movements,
+        "poses": [
+            {
+                "range": pose.range,
+                "cameras": {
+                    name: {"K": pose.K[c].tolist(), "R": pose.R[c].tolist(), "t": pose.t[c].tolist()}
+                    for c, name in enumerate(truth.cameras)
+                },
+                "best_plane_error_px": truth.best_plane_error_px[n],
+            }
+            for n, pose in enumerate(truth.poses)
+        ],
+        "arrays": "truth.npz",
+    }
+    (folder / "truth.json").write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+
+
+def load_truth(path: Path | str) -> Truth:
+    """Reads truth.json (or the folder it is in) and the arrays beside it; DocumentError when it is none."""
+    path = Path(path)
+    path = path / "truth.json" if path.is_dir() else path
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+        if document.get("schema") != SCHEMA:
+            raise ValueError(f"schema is {document.get('schema')!r}, expected {SCHEMA!r}")
+        with np.load(path.parent / document["arrays"]) as stored:
+            arrays = dict(stored)
+        return _structure(document, arrays)
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise DocumentError(
+            f"cannot be read as the truth of a simulated recording ({error})", where=str(path),
+            remedy="Make the recording again with `mcsl simulate`",
+        ) from error  # fmt: skip
+
+
+def _structure(document: dict, arrays: dict[str, NDArray]) -> Truth:
+    scenario = Scenario(**document["scenario"])
+    names = tuple(camera["name"] for camera in document["cameras"])
+    poses = []
+    for n, pose in enumerate(document["poses"]):
+        K, R, t = (np.array([pose["cameras"][name][key] for name in names]) for key in "KRt")
+        poses.append(
+            PoseTruth(range=tuple(pose["range"]), K=K, R=R, t=t, field_points_px=arrays[f"pose{n}_field_points_px"])
+        )
+    return Truth(
+        scenario=scenario,
+        rate=Fraction(document["rate"]),
+        frames=document["frames"],
+        size=tuple(document["size"]),
+        cameras=names,
+        files=tuple(camera["file"] for camera in document["cameras"]),
+        reference=document["reference"],
+        camera_frames=tuple(camera["frames"] for camera in document["cameras"]),
+        clocks=tuple(Clock(**camera["clock"]) for camera in document["cameras"]),
+        movements=tuple((start, stop) for start, stop in document["movements"]),
+        poses=tuple(poses),
+        field_points_mm=arrays["field_points_mm"],
+        visible_field=arrays["visible_field"],
+        visible_field_without_hands=arrays["visible_field_without_hands"],
+        best_plane_error_px=tuple(pose["best_plane_error_px"] for pose in document["poses"]),
+    )
