@@ -142,6 +142,28 @@ def resize_planes(planes: Planes, size: tuple[int, int]) -> Planes:
     return Planes(_resize_plane(planes.y, size), _resize_plane(planes.u, half), _resize_plane(planes.v, half))
 
 
+def turn_planes(planes: Planes, degrees: int) -> Planes:
+    """``planes`` turned counter-clockwise by 90, 180 or 270 degrees, chroma put back to where its siting wants it."""
+    code, (dx, dy) = {
+        90: (cv2.ROTATE_90_COUNTERCLOCKWISE, (-0.25, -0.25)),
+        180: (cv2.ROTATE_180, (-0.5, 0.0)),
+        270: (cv2.ROTATE_90_CLOCKWISE, (-0.25, 0.25)),
+    }[degrees]
+    matrix = np.array([[1, 0, dx], [0, 1, dy]])
+
+    def chroma(plane: U8) -> U8:
+        turned = cv2.rotate(plane, code)
+        return cv2.warpAffine(  # pyright: ignore[reportReturnType]
+            turned,
+            matrix,
+            (turned.shape[1], turned.shape[0]),
+            flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+            borderMode=cv2.BORDER_REPLICATE,
+        )
+
+    return Planes(cv2.rotate(planes.y, code), chroma(planes.u), chroma(planes.v))  # pyright: ignore
+
+
 def psnr(a: NDArray, b: NDArray, mask: NDArray | None = None) -> float:
     """Peak signal-to-noise ratio in dB of two 8-bit pictures of one shape; infinite when they are equal.
 

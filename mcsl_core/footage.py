@@ -1,0 +1,147 @@
+"""The cameras' pictures and sound on the programme clock.
+
+Programme frame n stands at n / rate seconds; a camera's own time is its clock's `camera_time` of that. A camera's
+files are played one after another: a file begins where the one before it ends (the end of its last picture). Inside
+a file presentation timestamps are the authority: the picture shown is the latest whose timestamp has come, so that
+a file of variable rate, a remuxed one and one with dropped frames all play in time. Before a file's first timestamp
+(a late start), beyond the end, where a file was cut short and in the camera's gaps there is no picture: None. A start
+that is late by two frames at most is muxers' rounding, and the first picture stands from the beginning.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .edl import Camera
+from .images import U8, Planes, planes_to_bgr, resize_planes
+from .media import MediaFacts
+from .playhead import Part, Playhead, Shown, exact_camera_time
+from .sampling import Sample, sample_cameras
+from .sound import sound_blocks
+from .timing import FrameRange
+from .video import probe, to_planes
+
+
+class Footage:
+    """Pictures and sound of all cameras by programme time. Each call opens its own decoders: safe from many threads.
+
+    rate: programme frames per second. frames: the programme's length. base: the folder that relative media paths are
+    relative to (the EDL's). threads: decoder threads of each stream read at full size, 0 for one a core.
+    """
+
+    def __init__(self, cameras: Sequence[Camera], *, rate: Fraction, frames: int, base: Path, threads: int = 0) -> None:
+        self.cameras, self.rate, self.frames, self.base = tuple(cameras), Fraction(rate), frames, Path(base)
+        self._threads = threads
+        self._by_name = {camera.name: camera for camera in self.cameras}
+        self._parts: dict[str, tuple[Part, ...]] = {}
+
+    def camera(self, name: str) -> Camera:
+        """The camera of that name; KeyError when there is none."""
+        return self._by_name[name]
+
+    def parts(self, camera: str) -> tuple[Part, ...]:
+        """The camera's files and where they stand in its own time. Probed at the first call, then kept."""
+        if camera not in self._parts:
+            parts, begin = [], Fraction(0)
+            for media in self.camera(camera).media:
+                facts = probe(self.base / media.path)
+                parts.append(Part(facts, begin))
+                begin += facts.end_s
+            self._parts[camera] = tuple(parts)
+        return self._parts[camera]
+
+    def camera_time(self, camera: str, frame: int) -> Fraction:
+        """The camera's own time in seconds at programme frame ``frame``, exactly."""
+        return exact_camera_time(self.camera(camera), Fraction(frame) / self.rate)
+
+    def programme_frame(self, camera: str, camera_s: Fraction) -> int:
+        """The programme frame nearest to the camera's own time ``camera_s``."""
+        return round(Fraction(self.camera(camera).clock.programme_time(camera_s)) * self.rate)
+
+    def has_gap(self, camera: str, frame: int) -> bool:
+        return any(frame in gap for gap in self.camera(camera).gaps)
+
+    def planes(self, camera: str, piece: FrameRange) -> Iterator[Planes | None]:
+        """Full-size pictures, (W, H) of the camera, one for each programme frame of ``piece``; None without picture.
+
+        Consecutive frames that show one picture are one object. Treat as read-only: they are the decoder's memory.
+        """
+        head = Playhead(self.parts(camera), threads=self._threads)
+        try:
+            shown, planes = None, None
+            for frame in piece:
+                found = None if self.has_gap(camera, frame) else head.at(self.camera_time(camera, frame))
+                if found is None:
+                    yield None
+                    continue
+                if found.frame is not shown:
+                    shown, planes = found.frame, self._picture(camera, found)
+                yield planes
+        finally:
+            head.close()
+
+    def pictures(
+        self, camera: str, frames: Sequence[int], *, height: int | None = None
+    ) -> Iterator[tuple[int, U8 | None]]:
+        """(programme frame, BGR picture or None) for each of ``frames``, which must rise.
+
+        height: reduced to that many rows by area average, aspect kept; never enlarged. Near frames are reached by
+        decoding on, far ones by a seek.
+        """
+        head = Playhead(self.parts(camera), threads=self._threads)
+        last = None
+        try:
+            for frame in frames:
+                if last is not None and frame <= last:
+                    raise ValueError(f"frames must rise, got {last} then {frame}")
+                last = frame
+                found = None if self.has_gap(camera, frame) else head.at(self.camera_time(camera, frame))
+                yield frame, None if found is None else self.picture(camera, found, height)
+        finally:
+            head.close()
+
+    def _picture(self, camera: str, shown: Shown) -> Planes:
+        return resize_planes(to_planes(shown.frame, shown.facts), self.camera(camera).size)
+
+    def picture(self, camera: str, shown: Shown, height: int | None) -> U8:
+        """The BGR picture of a decoded frame of ``camera``, reduced to ``height`` rows."""
+        return planes_to_bgr(self._picture(camera, shown), height=height)
+
+    def samples(
+        self,
+        *,
+        step_s: float = 1.0,
+        height: int = 540,
+        cameras: Sequence[str] | None = None,
+        piece: FrameRange | None = None,
+    ) -> Iterator[Sample]:
+        """About one picture of every camera each ``step_s`` seconds, BGR of ``height`` rows, at the least cost.
+
+        Where a camera's keyframes are at most 1.5 steps apart only they are decoded, and the nearest in time stands
+        for the sample; else all pictures that others need. See `sample_cameras`.
+        """
+        names = tuple(cameras if cameras is not None else self._by_name)
+        return sample_cameras(self, names, step_s=step_s, height=height, piece=piece or FrameRange(0, self.frames))
+
+    def audio_blocks(
+        self, camera: str, start_s: float, stop_s: float, rate: int = 48000, *, block_s: float = 10.0
+    ) -> Iterator[NDArray[np.float32]]:
+        """Mono sound at ``rate`` from programme time ``start_s`` to ``stop_s``, in consecutive blocks; flat memory.
+
+        Offset and drift of the camera's clock are applied by resampling; where the camera has no sound it is 0.
+        """
+        return sound_blocks(self.camera(camera), self.parts(camera), start_s, stop_s, rate, block_s)
+
+    def audio(self, camera: str, start_s: float, stop_s: float, rate: int = 48000) -> NDArray[np.float32]:
+        """As `audio_blocks`, in one (n,) float32 array."""
+        blocks = list(self.audio_blocks(camera, start_s, stop_s, rate))
+        return np.concatenate(blocks) if blocks else np.zeros(0, np.float32)
+
+    def all_facts(self) -> Mapping[str, tuple[MediaFacts, ...]]:
+        """Facts of every file of every camera."""
+        return {name: tuple(part.facts for part in self.parts(name)) for name in self._by_name}
