@@ -190,7 +190,7 @@ def _first_picture(container: Any, stream: Any, path: Path) -> Any:
 
 
 def _scan(path: Path, most: int | None) -> tuple[list[int], int, Fraction | None]:
-    """Timestamps of the first ``most`` packets (all when None), the keyframes among them, the end as a timestamp in s."""
+    """Timestamps of the first ``most`` packets (all when None), the keyframes among them, the end (a timestamp in s)."""
     with _open(path) as container:
         stream = _main_video(container, path)
         return _packets(container, stream, most)
