@@ -1,6 +1,7 @@
 """JSON documents: strict structuring of frozen attrs classes, canonical text, atomic saving.
 
-Shared by the EDL and the render presets. The same value always gives the same bytes.
+Shared by the EDL and the render presets. The same value always gives the same bytes. Paths into a document are
+written from its root: ``$.cameras[0].size[1]``, ``$.poses[2].homographies.cam4``.
 """
 
 from __future__ import annotations
@@ -8,23 +9,31 @@ from __future__ import annotations
 import json
 import math
 import os
-import tempfile
-import types
-from collections.abc import Mapping
+import re
+import secrets
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
+from numbers import Integral, Real
 from pathlib import Path
-from typing import Any, TypeVar, Union
+from typing import Any, TypeVar, cast, get_args, get_origin
 
 import attrs
 import cattrs
-from cattrs import transform_error
-from cattrs.errors import ForbiddenExtraKeysError, IterableValidationError, IterableValidationNote
+from cattrs.errors import (
+    BaseValidationError,
+    ClassValidationError,
+    ForbiddenExtraKeysError,
+    IterableValidationError,
+    IterableValidationNote,
+)
 from cattrs.gen import make_dict_structure_fn, make_dict_unstructure_fn, override
 
-from .errors import DocumentError, InputError
+from .errors import DocumentError, Fault, InputError, McslError
 from .timing import FrameRange, format_rate, parse_rate
 
 T = TypeVar("T")
+
+# -------------------------------------------------------------------------------------------- describing fields
 
 
 def doc(text: str, *, optional: bool = False) -> dict[str, Any]:
@@ -32,135 +41,246 @@ def doc(text: str, *, optional: bool = False) -> dict[str, Any]:
     return {"doc": text, "optional": optional}
 
 
+@attrs.frozen
+class Bounds:
+    """Validator: a finite number in ``low``..``high``, both included; in a tuple or mapping, each of them."""
+
+    low: float = -math.inf
+    high: float = math.inf
+
+    def __str__(self) -> str:
+        if math.isinf(self.high):
+            return "finite" if math.isinf(self.low) else f"{self.low:g} or more"
+        return f"{self.low:g} to {self.high:g}"
+
+    def __call__(self, _instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
+        self.check(value, f".{attribute.name}")
+
+    def check(self, value: Any, at: str) -> None:
+        """`Fault` where ``value``, or one of the numbers in it, lies outside; ``at`` is its path."""
+        if isinstance(value, tuple):
+            for index, item in enumerate(value):
+                self.check(item, f"{at}[{index}]")
+        elif isinstance(value, Mapping):
+            for name, item in value.items():
+                self.check(item, at + key_path(name))
+        elif not (math.isfinite(value) and self.low <= value <= self.high):
+            raise Fault(f"must be {self}, got {value}", at)
+
+
+@attrs.frozen
+class NotEmpty:
+    """Validator: a text, tuple or mapping with something in it."""
+
+    def __call__(self, _instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
+        if not value:
+            raise Fault("must not be empty", f".{attribute.name}")
+
+
+def key_path(name: str) -> str:
+    """One step of a path into a document: ``.name``, or ``["odd name"]`` where a dot would mislead."""
+    return f".{name}" if re.fullmatch(r"[\w-]+", name) else f"[{json.dumps(name, ensure_ascii=False)}]"
+
+
+# ----------------------------------------------------------------------------------------------- structuring
+
+
 def make_converter() -> cattrs.Converter:
     """A converter that takes nothing on trust: no silent int("3"), no unknown keys, no missing ones."""
     converter = cattrs.Converter(forbid_extra_keys=True, detailed_validation=True)
 
-    def exact(kind: type, name: str):
+    def exact(kind: type, words: str):
         def structure(value: Any, _: Any) -> Any:
             if isinstance(value, bool) != (kind is bool) or not isinstance(value, kind):
-                raise ValueError(f"expected {name}, got {json.dumps(value, ensure_ascii=False)[:60]}")
+                raise Fault(f"expected {words}, got {_short(value)}")
             return value
 
         return structure
 
     def number(value: Any, _: Any) -> float:
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            raise ValueError(f"expected a finite number, got {json.dumps(value)[:60]}")
-        return float(value)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise Fault(f"expected a number, got {_short(value)}")
+        try:
+            result = float(value)
+        except OverflowError:
+            result = math.inf
+        if not math.isfinite(result):
+            raise Fault(f"expected a finite number, got {_short(value)}")
+        return result
+
+    whole = exact(int, "a whole number")
+    text = exact(str, "a text")
 
     def frame_range(value: Any, _: Any) -> FrameRange:
         if not isinstance(value, list | tuple) or len(value) != 2:
-            raise ValueError(f"expected a range [start, stop], got {json.dumps(value)[:60]}")
-        start, stop = (exact(int, "a whole number")(v, int) for v in value)
-        return FrameRange(start, stop)
+            raise Fault(f"expected a range [start, stop], got {_short(value)}")
+        return FrameRange(*_each(value, [int, int], lambda item, _: whole(item, int), FrameRange))
 
-    def rate(value: Any, _: Any) -> Fraction:
-        return parse_rate(exact(str, "a rate such as '30000/1001'")(value, str))
-
-    converter.register_structure_hook(int, exact(int, "a whole number"))
+    converter.register_structure_hook(int, whole)
     converter.register_structure_hook(bool, exact(bool, "true or false"))
-    converter.register_structure_hook(str, exact(str, "a text"))
+    converter.register_structure_hook(str, text)
     converter.register_structure_hook(float, number)
     converter.register_structure_hook(FrameRange, frame_range)
     converter.register_unstructure_hook(FrameRange, lambda r: [r.start, r.stop])
-    converter.register_structure_hook(Fraction, rate)
+    converter.register_structure_hook(Fraction, lambda value, _: parse_rate(text(value, str)))
     converter.register_unstructure_hook(Fraction, format_rate)
 
-    def is_tuple(cls: Any) -> bool:
-        return getattr(cls, "__origin__", None) is tuple
+    def tuple_hook(cls: Any):
+        kinds = get_args(cls)
+        homogeneous = len(kinds) == 2 and kinds[1] is Ellipsis
 
-    converter.register_structure_hook_factory(is_tuple, lambda cls: _tuple_hook(cls, converter))
+        def structure(value: Any, _: Any) -> Any:
+            if not isinstance(value, list | tuple):
+                raise Fault(f"expected a list, got {_short(value)}")
+            wanted = [kinds[0]] * len(value) if homogeneous else kinds
+            if len(wanted) != len(value):
+                raise Fault(f"expected {len(wanted)} values, got {len(value)}")
+            return tuple(_each(value, wanted, converter.structure, cls))
 
-    def structure_class(cls: Any):
+        return structure
+
+    def mapping_hook(cls: Any):
+        kind = (get_args(cls) or (str, Any))[1]
+
+        def structure(value: Any, _: Any) -> Any:
+            if not isinstance(value, Mapping):
+                raise Fault(f"expected an object, got {_short(value)}")
+            items = _each(value.values(), [kind] * len(value), converter.structure, cls, names=list(value))
+            return dict(zip(value, items, strict=True))
+
+        return structure
+
+    def class_hook(cls: Any):
         plain = make_dict_structure_fn(cls, converter, _cattrs_forbid_extra_keys=True)
 
         def structure(value: Any, kind: Any) -> Any:
             if not isinstance(value, Mapping):
-                raise ValueError(f"expected an object, got {json.dumps(value, ensure_ascii=False)[:60]}")
+                raise Fault(f"expected an object, got {_short(value)}")
             return plain(value, kind)
 
         return structure
 
-    def unstructure_class(cls: Any):
+    def class_to_json(cls: Any):
         leave_out = {f.name: override(omit_if_default=True) for f in attrs.fields(cls) if f.metadata.get("optional")}
-        return make_dict_unstructure_fn(cls, converter, **leave_out)  # pyright: ignore[reportArgumentType]
+        return make_dict_unstructure_fn(cls, converter, **cast(Any, leave_out))
 
-    converter.register_structure_hook_factory(attrs.has, structure_class)
-    converter.register_unstructure_hook_factory(attrs.has, unstructure_class)
+    def is_tuple(cls: Any) -> bool:
+        return get_origin(cls) is tuple
+
+    def is_mapping(cls: Any) -> bool:
+        kind = get_origin(cls) or cls
+        return isinstance(kind, type) and issubclass(kind, Mapping)
+
+    # Mappings have no order of their own: sorted, so that equal values give equal bytes.
+    def mapping_to_json(value: Mapping[str, Any]) -> dict[str, Any]:
+        return {name: converter.unstructure(value[name]) for name in sorted(value)}
+
+    converter.register_structure_hook_factory(is_tuple, tuple_hook)
+    converter.register_structure_hook_factory(is_mapping, mapping_hook)
+    converter.register_structure_hook_factory(attrs.has, class_hook)
+    converter.register_unstructure_hook_func(is_mapping, mapping_to_json)
+    converter.register_unstructure_hook_factory(attrs.has, class_to_json)
     return converter
 
 
-def _tuple_hook(cls: Any, converter: cattrs.Converter):
-    """Structures tuple[X, ...] and tuple[X, Y, Z] from a JSON list, naming the index of what is wrong."""
-    args = cls.__args__
-    homogeneous = len(args) == 2 and args[1] is Ellipsis
-
-    def structure(value: Any, _: Any) -> Any:
-        if not isinstance(value, list | tuple):
-            raise ValueError(f"expected a list, got {json.dumps(value, ensure_ascii=False)[:60]}")
-        kinds = [args[0]] * len(value) if homogeneous else list(args)
-        if len(kinds) != len(value):
-            raise ValueError(f"expected {len(kinds)} values, got {len(value)}")
-        items, faults = [], []
-        for index, (kind, item) in enumerate(zip(kinds, value, strict=True)):
-            try:
-                items.append(converter.structure(item, kind))
-            except Exception as fault:  # collected and raised together, with the index, below
-                fault.add_note(IterableValidationNote(f"Structuring {cls} @ index {index}", index, kind))
-                faults.append(fault)
-        if faults:
-            raise IterableValidationError(f"While structuring {cls}", faults, cls)
-        return tuple(items)
-
-    return structure
+def _short(value: Any) -> str:
+    text = json.dumps(value, ensure_ascii=False, default=repr)
+    return text if len(text) <= 60 else text[:57] + "..."
 
 
-def describe_faults(error: BaseException) -> list[tuple[str, str]]:
-    """(path, what was expected) of everything wrong in a document, in document order."""
+def _each(values: Iterable[Any], kinds: Iterable[Any], structure: Any, cls: Any, names: list[str] | None = None):
+    """Structures every item; what is wrong is raised together, each with its index or key."""
+    items: list[Any] = []
+    faults: list[Exception] = []
+    for index, (item, kind) in enumerate(zip(values, kinds, strict=True)):
+        try:
+            items.append(structure(item, kind))
+        except (ValueError, TypeError, BaseValidationError) as fault:
+            at = names[index] if names else index
+            fault.add_note(IterableValidationNote(f"at {at}", at, kind))
+            faults.append(fault)
+    if faults:
+        # pyright sees ExceptionGroup's two arguments, not those of the class's own __new__
+        raise IterableValidationError(f"in {cls}", faults, cls)  # pyright: ignore[reportCallIssue]
+    return items
 
-    def words(fault: BaseException, _kind: Any) -> str:
-        if isinstance(fault, ForbiddenExtraKeysError):
-            return "unknown key " + ", ".join(repr(k) for k in sorted(fault.extra_fields))
-        if isinstance(fault, KeyError):
-            return f"missing key {fault.args[0]!r}"
-        return str(fault)
 
-    faults = []
-    for line in transform_error(error, format_exception=words):  # pyright: ignore[reportArgumentType]
-        what, _, path = line.rpartition(" @ ")
-        faults.append((path, what))
-    return faults
+def describe_faults(error: BaseException, path: str = "$") -> list[tuple[str, str]]:
+    """(path, what is wrong there) of everything that a document was refused for."""
+    if isinstance(error, ClassValidationError):
+        named, plain = error.group_exceptions()
+        found = [describe_faults(e, path + key_path(note.name)) for e, note in named]
+    elif isinstance(error, IterableValidationError):
+        noted, plain = error.group_exceptions()
+        steps = [key_path(n.index) if isinstance(n.index, str) else f"[{n.index}]" for _, n in noted]
+        found = [describe_faults(e, path + step) for (e, _), step in zip(noted, steps, strict=True)]
+    elif isinstance(error, ForbiddenExtraKeysError):
+        known = ", ".join(f.name for f in attrs.fields(cast(Any, error.cl)))
+        return [(path + key_path(k), f"unknown key, expected one of {known}") for k in sorted(error.extra_fields)]
+    elif isinstance(error, KeyError):
+        return [(path, "is missing")]
+    elif isinstance(error, Fault):
+        return [(path + error.at, error.what)]
+    else:
+        return [(path, str(error))]
+    return [fault for part in (*found, *(describe_faults(e, path) for e in plain)) for fault in part]
 
 
 def structure_document(value: Any, kind: type[T], converter: cattrs.Converter, *, where: str, name: str) -> T:
-    """``value`` as a ``kind``; DocumentError with the path to the first wrong value when it is not one."""
+    """``value`` as a ``kind``; DocumentError with the path to the first wrong value when it is not one.
+
+    where: the file. name: what the page in docs/ describes, as in "the EDL (edl.md)".
+    """
     try:
         return converter.structure(value, kind)
     except (cattrs.BaseValidationError, ValueError, TypeError) as error:
-        path, what = describe_faults(error)[0]
+        (path, what), *others = describe_faults(error)
+        more = f" (and {len(others)} more faults)" if len(others) > 1 else " (and 1 more fault)" if others else ""
         spot = f"{where} at {path}" if where else path
-        raise DocumentError(what, where=spot, remedy=f"Correct the value; {name} is described in docs/") from error
+        raise DocumentError(what + more, where=spot, remedy=f"Correct the value; docs/ describes {name}") from error
+
+
+# ------------------------------------------------------------------------------------------- text and files
+
+
+def parse_json(text: str, *, where: str) -> Any:
+    """The JSON value of a text; DocumentError where it is none, or one with two values under one key, or NaN."""
+
+    def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        value = dict(pairs)
+        if len(value) != len(pairs):
+            names = [name for name, _ in pairs]
+            twice = next(name for name in names if names.count(name) > 1)
+            raise ValueError(f"the key {twice!r} stands twice in one object")
+        return value
+
+    def no_constant(name: str) -> Any:
+        raise ValueError(f"{name} is not a number")
+
+    remedy = "The file may be cut short; restore it or make it again"
+    try:
+        return json.loads(text, object_pairs_hook=once, parse_constant=no_constant)
+    except json.JSONDecodeError as error:
+        spot = f"line {error.lineno}, column {error.colno}"
+        raise DocumentError(
+            f"is not JSON: {error.msg}", where=f"{where}, {spot}" if where else spot, remedy=remedy
+        ) from error
+    except (ValueError, RecursionError) as error:
+        what = "is nested too deeply" if isinstance(error, RecursionError) else f"is refused: {error}"
+        raise DocumentError(what, where=where, remedy="Correct the file or make it again") from error
 
 
 def read_json(path: Path) -> Any:
     """The JSON value of a UTF-8 file; InputError where it is missing, DocumentError where it is not JSON."""
     try:
-        text = path.read_text("utf-8")
+        text = path.read_text("utf-8-sig")  # some editors put a byte order mark before the text
     except OSError as error:
         raise InputError(
             f"cannot be read ({error.strerror})", where=str(path), remedy="Check the path and its permissions"
         ) from error
     except UnicodeDecodeError as error:
         raise DocumentError("is not UTF-8 text", where=str(path), remedy="Save it as UTF-8") from error
-    try:
-        return json.loads(text)
-    except json.JSONDecodeError as error:
-        raise DocumentError(
-            f"is not JSON: {error.msg}",
-            where=f"{path}, line {error.lineno}, column {error.colno}",
-            remedy="The file may be cut short; restore it or make it again",
-        ) from error
+    return parse_json(text, where=str(path))
 
 
 def canonical_json(value: Any) -> str:
@@ -169,58 +289,65 @@ def canonical_json(value: Any) -> str:
 
 
 def _rounded(value: Any) -> Any:
-    if isinstance(value, float):
-        if not math.isfinite(value):
-            raise ValueError(f"a document holds finite numbers only, got {value}")
-        short = float(f"{value:.10g}")
+    if value is None or isinstance(value, bool | str):
+        return value
+    if isinstance(value, Integral):  # numpy's scalars are Integral and Real too
+        return int(value)
+    if isinstance(value, Real):
+        number = float(value)
+        if not math.isfinite(number):
+            raise ValueError(f"a document holds finite numbers only, got {number}")
+        short = float(f"{number:.10g}")
         return 0.0 if short == 0 else short  # no -0.0
     if isinstance(value, Mapping):
         return {str(k): _rounded(v) for k, v in value.items()}
     if isinstance(value, list | tuple):
         return [_rounded(v) for v in value]
-    return value
+    raise TypeError(f"a document holds JSON values only, got {type(value).__name__} {value!r}")
+
+
+def _text(value: Any) -> str:
+    # A file name that is not UTF-8 reaches Python as lone surrogates: written as escapes, they come back as they were.
+    line = json.dumps(value, ensure_ascii=False)
+    return re.sub("[\ud800-\udfff]", lambda match: f"\\u{ord(match[0]):04x}", line)
 
 
 def _render(value: Any, indent: str) -> str:
-    line = json.dumps(value, ensure_ascii=False)
+    line = _text(value)
     if not isinstance(value, dict | list) or not value or len(indent) + len(line) <= 110:
         return line
     deeper = indent + "  "
     if isinstance(value, list):
-        if all(isinstance(v, int | float | str) for v in value):  # a long row of numbers stays a row
+        if all(isinstance(v, int | float) for v in value):  # a long row of numbers stays a row
             return line
         parts = [deeper + _render(v, deeper) for v in value]
         return "[\n" + ",\n".join(parts) + "\n" + indent + "]"
-    parts = [f"{deeper}{json.dumps(k, ensure_ascii=False)}: {_render(v, deeper)}" for k, v in value.items()]
+    parts = [f"{deeper}{_text(k)}: {_render(v, deeper)}" for k, v in value.items()]
     return "{\n" + ",\n".join(parts) + "\n" + indent + "}"
 
 
 def write_atomic(path: Path, data: bytes) -> None:
     """Writes beside ``path`` and renames: a reader sees the old file or the whole new one, never a part."""
+    target = Path(os.path.realpath(path))  # a link keeps pointing at what it names
+    temporary = target.with_name(f".mcsl-{secrets.token_hex(8)}.tmp")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        stream = temporary.open("xb")
     except OSError as error:
         raise InputError(
-            f"cannot be written ({error.strerror})",
-            where=str(path),
-            remedy="Choose a folder you may write to",
+            f"cannot be written ({error.strerror})", where=str(path), remedy="Choose a folder you may write to"
         ) from error
-    temporary = Path(name)
     try:
-        with os.fdopen(handle, "wb") as stream:
+        with stream:
             stream.write(data)
             stream.flush()
             os.fsync(stream.fileno())
-        umask = os.umask(0)
-        os.umask(umask)
-        temporary.chmod(0o666 & ~umask)
-        temporary.replace(path)
+        temporary.replace(target)
+    except OSError as error:
+        temporary.unlink(missing_ok=True)
+        raise McslError(
+            f"cannot be written ({error.strerror})", where=str(path), remedy="Make room, or choose another folder"
+        ) from error
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
-
-
-def is_union(kind: Any) -> bool:
-    """X | None and Union[X, None]."""
-    return getattr(kind, "__origin__", None) is Union or isinstance(kind, types.UnionType)

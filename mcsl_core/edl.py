@@ -6,7 +6,8 @@ homographies are 3x3 row-major, scaled so that the last element is 1, and act on
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from bisect import bisect_right
+from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
@@ -15,8 +16,19 @@ from typing import Any
 import attrs
 from attrs import field, frozen
 
-from .documents import canonical_json, doc, make_converter, read_json, structure_document, write_atomic
-from .errors import DocumentError
+from .documents import (
+    Bounds,
+    NotEmpty,
+    canonical_json,
+    doc,
+    key_path,
+    make_converter,
+    parse_json,
+    read_json,
+    structure_document,
+    write_atomic,
+)
+from .errors import DocumentError, Fault
 from .timing import FrameRange, check_tiles, cut_points, merge_equal
 
 SCHEMA = "mcsl.edl/1"
@@ -28,46 +40,53 @@ Matrix34 = tuple[
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
-def _require(condition: bool, message: str) -> None:
+UNIT = Bounds(0, 1)
+POSITIVE = Bounds(1)
+NOT_NEGATIVE = Bounds(0)
+
+
+def _require(condition: bool, what: str, at: str) -> None:
     if not condition:
-        raise ValueError(message)
+        raise Fault(what, at)
 
 
-def _positive_size(_: Any, attribute: attrs.Attribute, value: tuple[int, int]) -> None:
-    _require(min(value) > 0, f"{attribute.name} must be positive, got {list(value)}")
+def _positive_rate(_: Any, attribute: attrs.Attribute[Any], value: Fraction) -> None:
+    _require(value > 0, f"a rate must be positive, got {value}", f".{attribute.name}")
 
 
-def _unit(_: Any, attribute: attrs.Attribute, value: float) -> None:
-    _require(0 <= value <= 1, f"{attribute.name} must lie in 0..1, got {value}")
-
-
-def _invertible(matrix: Matrix, name: str) -> None:
+def _check_matrix(matrix: Matrix, at: str) -> None:
+    shape_is_right = isinstance(matrix, tuple) and [len(row) for row in matrix] == [3, 3, 3]
+    _require(shape_is_right, f"must be a tuple of three rows of three numbers, got {matrix!r}", at)
+    Bounds().check(matrix, at)
     (a, b, c), (d, e, f), (g, h, i) = matrix
+    _require(abs(i - 1) < 1e-9, f"must be scaled so that its last element is 1, got {i}", f"{at}[2][2]")
     determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
-    _require(abs(determinant) > 1e-12, f"{name} is singular")
+    _require(abs(determinant) > 1e-12, "is singular: it maps the picture to a line or a point", at)
 
 
 @frozen
 class Media:
     """One file of a camera; a camera's files are played one after another."""
 
-    path: str = field(metadata=doc("relative to the EDL's folder, or absolute; forward slashes"))
-    frames: int = field(metadata=doc("pictures in the file"))
+    path: str = field(validator=NotEmpty(), metadata=doc("relative to the EDL's folder, or absolute; forward slashes"))
+    frames: int = field(validator=POSITIVE, metadata=doc("pictures in the file"))
     fingerprint: str = field(default="", metadata=doc("content key: changes when the file does"))
-
-    def __attrs_post_init__(self) -> None:
-        _require(bool(self.path), "path is empty")
-        _require(self.frames > 0, f"frames must be positive, got {self.frames}")
 
 
 @frozen
 class Clock:
     """A camera's own time is ``(t - offset_s) * (1 + drift_ppm * 1e-6)`` at programme time t seconds."""
 
-    offset_s: float = field(default=0.0, metadata=doc("programme time in seconds at which the camera's time is 0"))
-    drift_ppm: float = field(default=0.0, metadata=doc("how much faster the camera's clock runs, parts per million"))
+    offset_s: float = field(
+        default=0.0, validator=Bounds(), metadata=doc("programme time in seconds at which the camera's time is 0")
+    )
+    drift_ppm: float = field(
+        default=0.0,
+        validator=Bounds(-100_000, 100_000),
+        metadata=doc("how much faster the camera's clock runs, parts per million"),
+    )
     method: str = field(default="none", metadata=doc("which sync found it: timecode, audio, motion, none, hand"))
-    confidence: float = field(default=0.0, validator=_unit, metadata=doc("0 (a guess) to 1 (certain)"))
+    confidence: float = field(default=0.0, validator=UNIT, metadata=doc("0 (a guess) to 1 (certain)"))
 
     def camera_time(self, programme_s: float | Fraction) -> float:
         """The camera's own time in seconds at programme time ``programme_s``."""
@@ -82,16 +101,12 @@ class Clock:
 class Camera:
     """One view: its files, their size and rate, and how its clock stands to the programme's."""
 
-    name: str = field(metadata=doc("unique; used everywhere else in this document"))
-    media: tuple[Media, ...] = field(metadata=doc("played one after another"))
-    size: tuple[int, int] = field(validator=_positive_size, metadata=doc("displayed width and height in pixels"))
-    rate: Fraction = field(metadata=doc("nominal frames per second"))
+    name: str = field(validator=NotEmpty(), metadata=doc("unique; used everywhere else in this document"))
+    media: tuple[Media, ...] = field(validator=NotEmpty(), metadata=doc("played one after another"))
+    size: tuple[int, int] = field(validator=POSITIVE, metadata=doc("displayed width and height in pixels"))
+    rate: Fraction = field(validator=_positive_rate, metadata=doc("nominal frames per second"))
     clock: Clock = field(factory=Clock, metadata=doc("relation to the programme clock"))
-    gaps: tuple[FrameRange, ...] = field(default=(), metadata=doc("programme ranges with no picture"))
-
-    def __attrs_post_init__(self) -> None:
-        _require(bool(self.name), "name is empty")
-        _require(bool(self.media), f"camera {self.name} has no media")
+    gaps: tuple[FrameRange, ...] = field(default=(), metadata=doc("programme ranges with no picture, in order"))
 
 
 @frozen
@@ -99,7 +114,7 @@ class Movement:
     """A stretch in which the lamp moves."""
 
     range: FrameRange = field(metadata=doc("first moving frame to first frame standing still again"))
-    confidence: float = field(default=1.0, validator=_unit, metadata=doc("0..1"))
+    confidence: float = field(default=1.0, validator=UNIT, metadata=doc("how sure the detector is"))
 
 
 @frozen
@@ -115,7 +130,8 @@ class Colour:
     """Matches a camera's colours to the reference camera's."""
 
     matrix: Matrix34 = field(
-        metadata=doc("[Y', Cb, Cr, 1] of the camera, BT.709 limited range, 8-bit codes -> of the reference camera")
+        validator=Bounds(),
+        metadata=doc("[Y', Cb, Cr, 1] of the camera, BT.709 limited range, 8-bit codes -> of the reference camera"),
     )
 
 
@@ -128,22 +144,29 @@ class Pose:
         metadata=doc("camera pixel -> reference camera pixel; the reference's own is the identity; weak ones may lack")
     )
     anchor: Matrix = field(default=IDENTITY, metadata=doc("reference camera pixel of this pose -> programme pixel"))
-    perspective: int = field(default=0, metadata=doc("poses of one number share the programme's perspective"))
+    perspective: int = field(
+        default=0, validator=NOT_NEGATIVE, metadata=doc("poses of one number share the programme's perspective")
+    )
     colour: Mapping[str, Colour] = field(factory=dict, metadata=doc("camera -> match to the reference camera"))
-    solved_from: tuple[int, ...] = field(default=(), metadata=doc("programme frames the homographies were solved from"))
+    solved_from: tuple[int, ...] = field(
+        default=(), validator=NOT_NEGATIVE, metadata=doc("programme frames the homographies were solved from")
+    )
     residual_px: Mapping[str, float] = field(
-        factory=dict, metadata=doc("camera -> rms transfer error of the matches kept, reference pixels")
+        factory=dict,
+        validator=NOT_NEGATIVE,
+        metadata=doc("camera -> rms transfer error of the matches kept, reference pixels"),
     )
     support: Mapping[str, int] = field(
-        factory=dict, metadata=doc("camera -> distinct places (4-pixel cells) its matches come from")
+        factory=dict,
+        validator=NOT_NEGATIVE,
+        metadata=doc("camera -> distinct places (4-pixel cells) its matches come from"),
     )
     weak: tuple[Weak, ...] = field(default=(), metadata=doc("cameras that could not be tied in, and why"))
 
     def __attrs_post_init__(self) -> None:
         for name, matrix in self.homographies.items():
-            _invertible(matrix, f"homographies.{name}")
-        _invertible(self.anchor, "anchor")
-        _require(self.perspective >= 0, "perspective must be 0 or more")
+            _check_matrix(matrix, f".homographies{key_path(name)}")
+        _check_matrix(self.anchor, ".anchor")
 
     @property
     def weak_cameras(self) -> frozenset[str]:
@@ -156,7 +179,7 @@ class Shot:
 
     range: FrameRange = field(metadata=doc("shots tile [0, frames)"))
     camera: str = field(metadata=doc("camera name"))
-    score: float = field(default=0.0, validator=_unit, metadata=doc("mean visible field over the shot, 0..1"))
+    score: float = field(default=0.0, validator=UNIT, metadata=doc("mean visible field over the shot"))
     why: str = field(default="", metadata=doc("the reason, in words for a person"))
 
 
@@ -197,11 +220,13 @@ CenteringKey = tuple[int, float, float]
 class Edl:
     """The whole document."""
 
-    rate: Fraction = field(metadata=doc("programme frames per second; frame n stands at n / rate seconds"))
-    size: tuple[int, int] = field(validator=_positive_size, metadata=doc("programme width and height in pixels"))
-    frames: int = field(metadata=doc("length of the programme"))
+    rate: Fraction = field(
+        validator=_positive_rate, metadata=doc("programme frames per second; frame n stands at n / rate seconds")
+    )
+    size: tuple[int, int] = field(validator=POSITIVE, metadata=doc("programme width and height in pixels"))
+    frames: int = field(validator=POSITIVE, metadata=doc("length of the programme"))
     reference: str = field(metadata=doc("the camera whose perspective the programme keeps"))
-    cameras: tuple[Camera, ...] = field(metadata=doc("every view"))
+    cameras: tuple[Camera, ...] = field(validator=NotEmpty(), metadata=doc("every view"))
     movements: tuple[Movement, ...] = field(default=(), metadata=doc("when the lamp moves, in order"))
     poses: tuple[Pose, ...] = field(
         metadata=doc(
@@ -220,38 +245,69 @@ class Edl:
     made_by: MadeBy | None = field(default=None, metadata=doc("what made the analysis"))
 
     def __attrs_post_init__(self) -> None:
-        _require(self.frames > 0, f"frames must be positive, got {self.frames}")
-        names = [c.name for c in self.cameras]
-        _require(bool(names), "cameras is empty")
-        _require(len(set(names)) == len(names), f"cameras must have different names, got {names}")
-        known = set(names)
-        self._check_names([("reference", self.reference)], known)
+        self._check_cameras()
+        self._check_movements()
+        self._check_poses()
+        self._check_shots_and_overrides()
+        last = -1
+        for index, (frame, dx, dy) in enumerate(self.centering):
+            at = f".centering[{index}]"
+            _require(0 <= frame < self.frames, f"frame {frame} is outside [0, {self.frames})", f"{at}[0]")
+            _require(frame > last, f"keys must rise, got frame {frame} after {last}", f"{at}[0]")
+            Bounds().check(dx, f"{at}[1]")
+            Bounds().check(dy, f"{at}[2]")
+            last = frame
+
+    def _check_cameras(self) -> None:
+        seen: set[str] = set()
+        for index, camera in enumerate(self.cameras):
+            at = f".cameras[{index}]"
+            _require(camera.name not in seen, f"a camera before it is also called {camera.name!r}", f"{at}.name")
+            seen.add(camera.name)
+            self._check_ordered(camera.gaps, lambda i, at=at: f"{at}.gaps[{i}]")
+        self._check_names([(".reference", self.reference)])
+
+    def _check_movements(self) -> None:
+        self._check_ordered([m.range for m in self.movements], lambda i: f".movements[{i}].range")
+
+    def _check_poses(self) -> None:
         check_tiles((p.range for p in self.poses), self.frames, "poses")
+        names = [c.name for c in self.cameras]
+        for index, pose in enumerate(self.poses):
+            at = f".poses[{index}]"
+            for part in ("homographies", "colour", "residual_px", "support"):
+                self._check_names((f"{at}.{part}{key_path(name)}", name) for name in getattr(pose, part))
+            self._check_names((f"{at}.weak[{i}].camera", w.camera) for i, w in enumerate(pose.weak))
+            missing = [n for n in names if n not in pose.homographies and n not in pose.weak_cameras]
+            _require(not missing, f"lacks {', '.join(missing)}, not weak either", f"{at}.homographies")
+            own = pose.homographies.get(self.reference)
+            place = f"{at}.homographies{key_path(self.reference)}"
+            _require(own is not None, "the reference camera has no homography; it is the identity", place)
+            _require(own == IDENTITY, "the reference camera's own homography must be the identity", place)
+
+    def _check_shots_and_overrides(self) -> None:
         check_tiles((s.range for s in self.shots), self.frames, "shots")
-        self._check_names(((f"shots[{i}].camera", s.camera) for i, s in enumerate(self.shots)), known)
-        for i, override in enumerate(self.overrides):
+        self._check_names((f".shots[{i}].camera", s.camera) for i, s in enumerate(self.shots))
+        for index, override in enumerate(self.overrides):
+            at = f".overrides[{index}]"
             if override.camera is not None:
-                self._check_names([(f"overrides[{i}].camera", override.camera)], known)
-            self._check_inside(f"overrides[{i}].range", override.range)
+                self._check_names([(f"{at}.camera", override.camera)])
+            self._check_inside(override.range, f"{at}.range")
+
+    def _check_names(self, uses: Iterable[tuple[str, str]]) -> None:
+        names = [c.name for c in self.cameras]
+        for at, name in uses:
+            _require(name in names, f"{name!r} is not a camera, expected one of {', '.join(names)}", at)
+
+    def _check_inside(self, piece: FrameRange, at: str) -> None:
+        _require(piece.stop <= self.frames, f"{piece} ends after the programme's {self.frames} frames", at)
+
+    def _check_ordered(self, pieces: Iterable[FrameRange], at: Callable[[int], str]) -> None:
         last = 0
-        for i, movement in enumerate(self.movements):
-            self._check_inside(f"movements[{i}].range", movement.range)
-            _require(movement.range.start >= last, f"movements[{i}] begins before the one before it ends")
-            last = movement.range.stop
-        for i, pose in enumerate(self.poses):
-            used = [*pose.homographies, *pose.colour, *pose.residual_px, *pose.support, *pose.weak_cameras]
-            self._check_names(((f"poses[{i}]", name) for name in used), known)
-            missing = sorted(known - set(pose.homographies) - pose.weak_cameras)
-            _require(not missing, f"poses[{i}].homographies lacks {', '.join(missing)}, which is not weak either")
-        for before, after in pairwise(self.centering):
-            _require(before[0] < after[0], f"centering keys must rise, got frames {before[0]} then {after[0]}")
-
-    def _check_names(self, uses: Iterable[tuple[str, str]], known: set[str]) -> None:
-        for place, name in uses:
-            _require(name in known, f"{place} names {name!r}, which is not a camera ({', '.join(sorted(known))})")
-
-    def _check_inside(self, place: str, piece: FrameRange) -> None:
-        _require(piece.stop <= self.frames, f"{place} {piece} ends after the programme's {self.frames} frames")
+        for index, piece in enumerate(pieces):
+            self._check_inside(piece, at(index))
+            _require(piece.start >= last, f"{piece} begins before the one before it ends at {last}", at(index))
+            last = piece.stop
 
     def camera(self, name: str) -> Camera:
         """The camera of that name; KeyError when there is none."""
@@ -282,24 +338,29 @@ class Decision:
 def resolve(edl: Edl) -> tuple[tuple[FrameRange, Decision], ...]:
     """The effective shots and looks: the analysis below, overrides on top. The ranges tile [0, frames).
 
-    Neighbours with the same decision are one stretch. Cost grows with shots plus overrides squared at worst.
+    Neighbours with the same decision are one stretch. Cost grows with shots plus overrides, times the overrides
+    that hold at one moment.
     """
     points = cut_points(edl.frames, [s.range for s in edl.shots] + [o.range for o in edl.overrides])
     pieces: list[tuple[FrameRange, Decision]] = []
     shots = iter(edl.shots)
     shot = next(shots)
+    beginning: dict[int, list[int]] = {}
+    for index, override in enumerate(edl.overrides):
+        beginning.setdefault(override.range.start, []).append(index)
+    holding: list[int] = []  # indices of the overrides that hold, in the list's order
     for start, stop in pairwise(points):
         while start not in shot.range:
             shot = next(shots)
+        holding = sorted([i for i in holding if start in edl.overrides[i].range] + beginning.get(start, []))
         decision = Decision(shot.camera, edl.look.centering, edl.look.fill, edl.look.colour, overridden=False)
-        for override in edl.overrides:
-            if start in override.range:
-                given = {
-                    name: value
-                    for name in ("camera", "centering", "fill", "colour")
-                    if (value := getattr(override, name)) is not None
-                }
-                decision = attrs.evolve(decision, **given, overridden=decision.overridden or bool(given))
+        for override in (edl.overrides[i] for i in holding):
+            given = {
+                name: value
+                for name in ("camera", "centering", "fill", "colour")
+                if (value := getattr(override, name)) is not None
+            }
+            decision = attrs.evolve(decision, **given, overridden=decision.overridden or bool(given))
         pieces.append((FrameRange(start, stop), decision))
     return tuple(merge_equal(pieces))
 
@@ -308,21 +369,27 @@ def offset_at(keys: tuple[CenteringKey, ...], frame: float) -> tuple[float, floa
     """Centering offset (dx, dy) in programme pixels at ``frame``: linear between keys, held outside, 0 without keys."""
     if not keys:
         return 0.0, 0.0
-    if frame <= keys[0][0]:
-        return keys[0][1], keys[0][2]
-    for (f0, x0, y0), (f1, x1, y1) in pairwise(keys):
-        if frame <= f1:
-            part = (frame - f0) / (f1 - f0)
-            return x0 + part * (x1 - x0), y0 + part * (y1 - y0)
-    return keys[-1][1], keys[-1][2]
+    after = bisect_right(keys, frame, key=lambda k: k[0])
+    if after in (0, len(keys)):
+        _, x, y = keys[0 if after == 0 else -1]
+        return x, y
+    (f0, x0, y0), (f1, x1, y1) = keys[after - 1], keys[after]
+    part = (frame - f0) / (f1 - f0)
+    return x0 + part * (x1 - x0), y0 + part * (y1 - y0)
 
 
 def carry_over(old: Edl, new: Edl) -> Edl:
     """``new`` (a fresh analysis) with the editor's decisions of ``old``: overrides and look. Nothing is lost.
 
-    Raises DocumentError where an override names a camera that is gone or reaches past the new end.
+    Raises DocumentError where that cannot be: the rate is another (the same frame numbers would be other moments),
+    an override names a camera that is gone, or one reaches past the new end.
     """
     names = {c.name for c in new.cameras}
+    if old.overrides and old.rate != new.rate:
+        raise DocumentError(
+            f"the overrides count frames at {old.rate} per second, the new analysis at {new.rate}",
+            remedy=f"Analyse with --rate {old.rate}, or remove the overrides from the old EDL",
+        )
     for index, override in enumerate(old.overrides):
         if override.camera is not None and override.camera not in names:
             raise DocumentError(
@@ -340,7 +407,9 @@ def carry_over(old: Edl, new: Edl) -> Edl:
 # ------------------------------------------------------------------------------------------ reading and writing
 
 _converter = make_converter()
-_UPGRADES: dict[str, Any] = {}  # schema -> function from its JSON value to the next schema's
+_UPGRADES: dict[
+    str, Callable[[dict[str, Any]], dict[str, Any]]
+] = {}  # schema -> function from its JSON value to the next schema's
 
 
 def from_json(value: Any, *, where: str = "") -> Edl:
@@ -349,14 +418,15 @@ def from_json(value: Any, *, where: str = "") -> Edl:
         raise DocumentError("an EDL is a JSON object", where=where, remedy="Hand in the file that `mcsl analyse` wrote")
     value = dict(value)
     schema = value.get("schema")
-    while schema in _UPGRADES:
+    while isinstance(schema, str) and schema in _UPGRADES:
         value = _UPGRADES[schema](value)
         schema = value["schema"]
     if schema != SCHEMA:
         family, _, version = str(schema).partition("/")
-        newer = family == "mcsl.edl" and version.isdigit() and int(version) > int(SCHEMA.split("/")[1])
+        newer = family == "mcsl.edl" and version.isdecimal() and int(version) > int(SCHEMA.partition("/")[2])
+        found = f"is {schema!r}" + (", newer than this mcsl" if newer else "") if "schema" in value else "is missing"
         raise DocumentError(
-            f"schema is {schema!r}, this mcsl reads {SCHEMA!r}",
+            f"{found}; expected {SCHEMA!r}",
             where=f"{where} at $.schema" if where else "$.schema",
             remedy="Install a newer mcsl" if newer else "Hand in the file that `mcsl analyse` wrote",
         )
@@ -372,6 +442,11 @@ def to_json(edl: Edl) -> dict[str, Any]:
 def dumps(edl: Edl) -> str:
     """Canonical text: the same EDL gives the same bytes."""
     return canonical_json(to_json(edl))
+
+
+def loads(text: str, *, where: str = "") -> Edl:
+    """An EDL from its text; upgrades and checks like `load`."""
+    return from_json(parse_json(text, where=where), where=where)
 
 
 def load(path: str | Path) -> Edl:

@@ -2,6 +2,22 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+
+class Fault(ValueError):
+    """A value that breaks a rule of the object it was meant for; nothing was made.
+
+    at: the path below that object, such as ``.shots[2].camera``, so that a document can say where the value stands.
+    """
+
+    def __init__(self, what: str, at: str = "") -> None:
+        self.what, self.at = what, at
+        super().__init__(what, at)
+
+    def __str__(self) -> str:
+        return f"{self.at.removeprefix('.')}: {self.what}" if self.at else self.what
+
 
 class McslError(Exception):
     """A failure that a person can act on.
@@ -19,6 +35,16 @@ class McslError(Exception):
     def __str__(self) -> str:
         text = f"{self.where}: {self.what}" if self.where else self.what
         return f"{text}. {self.remedy}" if self.remedy else text
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # BaseException's own way calls cls(*args), which fails here and would hang a process pool that hands it back.
+        return _remake, (type(self), self.what, self.where, self.remedy)
+
+
+def _remake(kind: type[McslError], what: str, where: str, remedy: str) -> McslError:
+    error = kind.__new__(kind)
+    McslError.__init__(error, what, where=where, remedy=remedy)
+    return error
 
 
 class UsageError(McslError):

@@ -76,7 +76,7 @@ class JsonLines:
     _last: float = 0.0
 
     def send(self, message: Mapping[str, Any]) -> None:
-        self.stream.write(json.dumps(message, ensure_ascii=False) + "\n")
+        self.stream.write(json.dumps(message) + "\n")  # pure ASCII: passes any pipe, whatever its encoding
         self.stream.flush()
 
     def stage(self, name: str, total: int | None = None, unit: str = "") -> None:

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from math import floor
+from operator import index
 from typing import TypeVar
 
-from attrs import frozen
+from attrs import field, frozen
+
+from .errors import Fault
 
 T = TypeVar("T")
+
+RATE_PATTERN = r"[0-9]{1,9}(/[0-9]{1,9}|\.[0-9]{1,9})?"
 
 
 def parse_rate(text: str) -> Fraction:
@@ -20,6 +26,8 @@ def parse_rate(text: str) -> Fraction:
     ntsc = {"23.976": 24, "23.98": 24, "29.97": 30, "47.95": 48, "59.94": 60, "119.88": 120}
     text = text.strip()
     try:
+        if not re.fullmatch(RATE_PATTERN, text):  # Fraction itself also takes "1e999999999" and never comes back
+            raise ValueError(text)
         rate = Fraction(ntsc[text] * 1000, 1001) if text in ntsc else Fraction(text)
     except (ValueError, ZeroDivisionError):
         raise ValueError(f"expected a rate such as '30000/1001' or '25', got {text!r}") from None
@@ -29,7 +37,7 @@ def parse_rate(text: str) -> Fraction:
 
 
 def format_rate(rate: Fraction) -> str:
-    """The canonical spelling: ``"25/1"``-like rates lose the denominator 1."""
+    """The canonical spelling: lowest terms, ``"25"`` rather than ``"25/1"``."""
     return str(rate)
 
 
@@ -54,14 +62,14 @@ def format_time(time_s: float | Fraction) -> str:
 class FrameRange:
     """Frames start, start + 1, ..., stop - 1; never empty."""
 
-    start: int
-    stop: int
+    start: int = field(converter=index)  # also takes numpy's integers, but no float
+    stop: int = field(converter=index)
 
     def __attrs_post_init__(self) -> None:
         if self.start < 0:
-            raise ValueError(f"a range starts at 0 or later, got [{self.start}, {self.stop}]")
+            raise Fault(f"a range starts at 0 or later, got [{self.start}, {self.stop}]")
         if self.stop <= self.start:
-            raise ValueError(f"a range ends after it starts, got [{self.start}, {self.stop}]")
+            raise Fault(f"a range ends after it starts, got [{self.start}, {self.stop}]")
 
     def __len__(self) -> int:
         return self.stop - self.start
@@ -82,15 +90,15 @@ class FrameRange:
 
 
 def check_tiles(ranges: Iterable[FrameRange], frames: int, what: str) -> None:
-    """ValueError unless ``ranges`` cover [0, frames) in order without gap or overlap."""
+    """`Fault` (a ValueError) unless ``ranges`` cover [0, frames) in order without gap or overlap."""
     at = 0
-    for index, piece in enumerate(ranges):
+    for number, piece in enumerate(ranges):
         if piece.start != at:
             fault = "gap" if piece.start > at else "overlap"
-            raise ValueError(f"{what} must tile [0, {frames}): {fault} at frame {at}, {what}[{index}] is {piece}")
+            raise Fault(f"{what} must tile [0, {frames}): {fault} at frame {at}, this is {piece}", f".{what}[{number}]")
         at = piece.stop
     if at != frames:
-        raise ValueError(f"{what} must tile [0, {frames}): they end at frame {at}")
+        raise Fault(f"{what} must tile [0, {frames}): they end at frame {at}", f".{what}")
 
 
 def cut_points(frames: int, ranges: Iterable[FrameRange]) -> list[int]:

@@ -1,0 +1,71 @@
+"""What every test lives with: any logged ERROR fails it, no colours, and real recordings where they are there."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import hypothesis
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+
+os.environ["NO_COLOR"] = "1"  # for this process and the children it starts
+os.environ.pop("FORCE_COLOR", None)
+
+# Other work on the machine must not turn a right answer into a failure.
+hypothesis.settings.register_profile(
+    "mcsl", deadline=None, print_blob=True, suppress_health_check=[hypothesis.HealthCheck.too_slow]
+)
+hypothesis.settings.load_profile("mcsl")
+
+
+@pytest.fixture(autouse=True)
+def logged_errors() -> Iterator[list[logging.LogRecord]]:
+    """Every record of level ERROR or above that was logged during the test; what is left in it fails the test.
+
+    A test that provokes an error asks for this fixture, checks the records and clears the list. Records are caught
+    where they are made, so a logger that does not propagate, or has a handler of its own, is caught too.
+    """
+    records: list[logging.LogRecord] = []
+    make = logging.getLogRecordFactory()
+
+    def watch(*args, **kwargs) -> logging.LogRecord:
+        record = make(*args, **kwargs)
+        if record.levelno >= logging.ERROR:
+            records.append(record)
+        return record
+
+    logging.setLogRecordFactory(watch)
+    yield records
+    logging.setLogRecordFactory(make)
+    _fail_on(records)
+
+
+@pytest.hookimpl(wrapper=True, trylast=True)
+def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
+    result = yield
+    # Here rather than in the fixture's end, so that the test itself is reported as failed.
+    _fail_on(getattr(item, "funcargs", {}).get("logged_errors", []))
+    return result
+
+
+def _fail_on(records: list[logging.LogRecord]) -> None:
+    if records:
+        lines = [f"{r.name}: {r.levelname}: {r.getMessage()}" for r in records]
+        records.clear()
+        pytest.fail("logged during the test:\n" + "\n".join(lines), pytrace=False)
+
+
+@pytest.fixture(scope="session")
+def shared_data() -> Path:
+    """The folder of real recordings that nobody here made; the test is skipped where there is none."""
+    given = os.environ.get("MCSL_SHARED_DATA")
+    folder = Path(given) if given else ROOT.parent / "shared" / "data"
+    if not folder.is_dir():
+        if given:
+            pytest.fail(f"MCSL_SHARED_DATA names {given}, which is not a folder", pytrace=False)
+        pytest.skip("no real recordings here (../shared/data; another folder: MCSL_SHARED_DATA)")
+    return folder
