@@ -123,7 +123,7 @@ def fit_pair(
     if near.sum() < settings.min_support:
         return None
     kept = pair.where(near)
-    fundamental, info = poselib.estimate_fundamental(
+    _, info = poselib.estimate_fundamental(
         kept.a, kept.b, {"max_epipolar_error": settings.epipolar * diagonal, "seed": 0, "max_iterations": 20000}
     )
     kept = kept.where(np.asarray(info["inliers"], bool))
@@ -207,9 +207,7 @@ def align(
     for name in homographies:
         if name != reference:
             residual[name], support[name] = _quality(name, fits, homographies)
-    weak = tuple(
-        Weak(name, _diagnosis(name, pairs, fits, settings)) for name in names if name not in homographies
-    )
+    weak = tuple(Weak(name, _diagnosis(name, pairs, fits, settings)) for name in names if name not in homographies)
     return Alignment(homographies, residual, support, weak)
 
 
@@ -228,10 +226,8 @@ def _chain(fits: Mapping[tuple[str, str], PairFit], names: Sequence[str], refere
     order, before = breadth_first_order(tree, index[reference], directed=False)
     for node in order[1:]:
         name, nearer = names[node], names[before[node]]
-        if (name, nearer) in fits:
-            step = fits[name, nearer].homography
-        else:
-            step = np.linalg.inv(fits[nearer, name].homography)
+        forward = (name, nearer) in fits
+        step = fits[name, nearer].homography if forward else np.linalg.inv(fits[nearer, name].homography)
         h = chained[nearer] @ step
         chained[name] = h / h[2, 2]
     return chained

@@ -16,16 +16,19 @@ from attrs import field, frozen
 from . import __version__, edl
 from .centering import FieldPlace, field_middle
 from .errors import InputError, PluginError, UsageError
-from .footage import Footage, discover
-from .plugins import STAGES, Offer, Plugins
+from .footage import Footage
+from .media import fingerprint
+from .plugins import Offer, Plugins
 from .progress import Progress
+from .recording import discover
 from .samples import Samples
 from .scene import scaling
 from .scores import ScoreTable
 from .solving import SolvedPose, SolveSettings, solve_pose
+from .stages import STAGES
 from .sync import synchronise
 from .timing import FrameRange, format_time
-from .video import fingerprint, probe
+from .video import probe
 
 
 @frozen

@@ -21,7 +21,8 @@ from rich.table import Table
 from . import __version__
 from .errors import Cancelled, McslError, UsageError
 from .progress import JsonLines, Progress
-from .timing import format_time, parse_rate
+from .stages import STAGES
+from .timing import parse_rate
 
 PATH = click.Path(path_type=Path)
 
@@ -91,8 +92,6 @@ def cli(ctx: click.Context, progress: str, debug: bool) -> None:
 
 def _stage_options(command: Any) -> Any:
     """--movement NAME, --occlusion NAME, ...: which plugin does each stage."""
-    from .plugins import STAGES
-
     for stage, (_, _, default) in reversed(STAGES.items()):
         command = click.option(f"--{stage}", metavar="NAME", help=f"Plugin for this stage (default: {default}).")(
             command
@@ -156,7 +155,12 @@ def simulate(session: Session, out: Path, size: str, rate: str, **scene: Any) ->
 @_stage_options
 @click.pass_obj
 def analyse(
-    session: Session, recording: tuple[Path, ...], out: Path, reference: str | None, rate: str | None, sync: str,
+    session: Session,
+    recording: tuple[Path, ...],
+    out: Path,
+    reference: str | None,
+    rate: str | None,
+    sync: str,
     **stages: str | None,
 ) -> None:
     """Analyse RECORDING (a folder, or the camera files in order) into an edit-decision list."""
@@ -183,9 +187,7 @@ def analyse(
 @click.option("--conformed", type=PATH, help="Folder of conformed media (default: beside the EDL, where present).")
 @click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
 @click.pass_obj
-def timeline(
-    session: Session, edl: Path, out: Path, preset: str, conformed: Path | None, blender: str | None
-) -> None:
+def timeline(session: Session, edl: Path, out: Path, preset: str, conformed: Path | None, blender: str | None) -> None:
     """Build the Blender timeline of EDL."""
     from . import blender as desk
     from . import timeline as lines
@@ -220,9 +222,7 @@ def pull(session: Session, blend: Path, out: Path | None, blender: str | None) -
 @click.option("--filler", metavar="NAME", help="Plugin that fills empty pixels (default: footprint).")
 @click.option("--prune", is_flag=True, help="Delete chunks that the EDL no longer needs.")
 @click.pass_obj
-def conform(
-    session: Session, edl: Path, out: Path | None, jobs: int, filler: str | None, prune: bool
-) -> None:
+def conform(session: Session, edl: Path, out: Path | None, jobs: int, filler: str | None, prune: bool) -> None:
     """Make the exact full-resolution programme pictures of EDL from the original media."""
     from . import conform as conforming
     from . import edl as document
@@ -245,15 +245,16 @@ def conform(
 @click.option("-o", "--out", type=PATH, required=True, help="The video.")
 @click.option("--preset", default="h264", show_default=True, help="A name or a preset file of your own.")
 @click.option(
-    "--engine", type=click.Choice(["blender", "direct"]), default="blender", show_default=True,
+    "--engine",
+    type=click.Choice(["blender", "direct"]),
+    default="blender",
+    show_default=True,
     help="Blender renders titles and all; direct writes the same programme without Blender.",
 )
 @click.option("--jobs", default=2, show_default=True, help="Chunks made at the same time.")
 @click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
 @click.pass_obj
-def render(
-    session: Session, source: Path, out: Path, preset: str, engine: str, jobs: int, blender: str | None
-) -> None:
+def render(session: Session, source: Path, out: Path, preset: str, engine: str, jobs: int, blender: str | None) -> None:
     """Pull, conform and render SOURCE (an EDL or a .blend) to a video."""
     from . import rendering
 
@@ -267,13 +268,17 @@ def render(
 @click.pass_obj
 def list_plugins(session: Session, as_json: bool) -> None:
     """List everything that can do a stage, built-in and installed."""
-    from .plugins import STAGES, discover
+    from .plugins import discover
 
     offers = discover().offers
     if as_json or session.json:
         rows = [
             {
-                "stage": o.stage, "name": o.name, "package": o.package, "version": o.version, "summary": o.summary,
+                "stage": o.stage,
+                "name": o.name,
+                "package": o.package,
+                "version": o.version,
+                "summary": o.summary,
                 "default": STAGES[o.stage][2] == o.name,
             }
             for o in offers
@@ -345,7 +350,8 @@ def main(arguments: list[str] | None = None) -> int:
         if debug:
             raise
         unexpected = McslError(
-            f"{type(error).__name__}: {error}", where="internal error",
+            f"{type(error).__name__}: {error}",
+            where="internal error",
             remedy="Run again with `mcsl --debug ...` and report what it shows",
         )
         return _fail(unexpected, as_json)

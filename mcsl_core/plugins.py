@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from importlib import metadata
 from typing import Any
 
@@ -12,16 +12,7 @@ from attrs import frozen
 from . import __version__, default_plugins
 from .errors import PluginError, UsageError
 from .hookspecs import PROJECT, Hooks
-
-# stage -> (hook, the methods its objects must have, the default's name)
-STAGES: Mapping[str, tuple[str, tuple[str, ...], str]] = {
-    "movement": ("register_movement_detectors", ("detect",), "stillness"),
-    "matcher": ("register_matchers", ("features", "match"), "rootsift"),
-    "occlusion": ("register_occlusion_detectors", ("scorer",), "hue-area"),
-    "selector": ("register_selectors", ("select",), "shortest-path"),
-    "centerer": ("register_centerers", ("centre",), "field"),
-    "filler": ("register_fillers", ("fill",), "footprint"),
-}
+from .stages import STAGES
 
 
 @frozen(eq=False)

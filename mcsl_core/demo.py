@@ -1,0 +1,99 @@
+"""The whole way once, on a simulated recording, so that a newcomer sees what comes out before bringing a recording."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from attrs import frozen
+
+from . import analysis, blender, rendering, timeline
+from .contact import contact_sheet, save_picture
+from .edl import Edl
+from .errors import InputError
+from .plugins import discover
+from .progress import Progress
+from .simulation import Scenario, Truth, alignment_error, best_plane_error, simulate
+
+DURATION_S = 40.0
+
+
+@frozen
+class Demo:
+    """What the demo made: ``values`` for programs, ``text`` for people."""
+
+    values: dict[str, Any]
+    text: str
+
+
+def run_demo(folder: Path, *, seed: int, blender: str | None, progress: Progress) -> Demo:
+    """Simulates, analyses, builds the timeline and renders into ``folder``; says where everything lies.
+
+    Raises InputError when ``folder`` holds something that is not a demo, so that nothing of yours is overwritten.
+    """
+    if folder.exists() and any(folder.iterdir()) and not (folder / "recording" / "truth.json").exists():
+        raise InputError("is not empty", where=str(folder), remedy="Name a new folder: mcsl demo FOLDER")
+    desk = _find_blender(blender)
+    recording, edl_path = folder / "recording", folder / "edl.json"
+    blend, video, sheet = folder / "edit.blend", folder / "programme.mp4", folder / "contact-sheet.png"
+    truth = simulate(Scenario(seed=seed, duration_s=DURATION_S, movements=1), recording, progress)
+    made = analysis.analyse(
+        [recording], edl_path, settings=analysis.AnalysisSettings(), plugins=discover(), progress=progress
+    )
+    timeline.build(edl_path, blend, blender=desk, progress=progress)
+    rendering.render(blend, video, preset="h264", engine="blender", blender=blender, progress=progress)
+    middles = [(p.range.start + p.range.stop) // 2 for p in made.poses]
+    save_picture(contact_sheet(made, folder, middles[:3]), sheet)
+    errors = alignment_errors(truth, made)
+    places = {
+        "recording": recording,
+        "edl": edl_path,
+        "timeline": blend,
+        "video": video,
+        "contact_sheet": sheet,
+    }
+    values = {k: str(v) for k, v in places.items()} | analysis.summary(made) | {"alignment": errors}
+    return Demo(values, _text(places, made, truth, errors))
+
+
+def _find_blender(wish: str | None) -> blender.Blender:
+    return blender.find(wish)
+
+
+def alignment_errors(truth: Truth, made: Edl) -> list[dict[str, Any]]:
+    """Per pose of the truth and camera: rms error over the field in px, and the best single plane's.
+
+    The pose of the EDL is the one that holds the middle of the true pose.
+    """
+    rows = []
+    for index, piece in enumerate(truth.poses):
+        pose = made.pose_at((piece.start + piece.stop) // 2)
+        for camera in truth.cameras:
+            if camera != made.reference and camera in pose.homographies:
+                rows.append(
+                    {
+                        "pose": index,
+                        "camera": camera,
+                        "error_px": round(
+                            alignment_error(truth, index, camera, np.array(pose.homographies[camera])), 2
+                        ),
+                        "best_plane_px": round(best_plane_error(truth, index, camera), 2),
+                    }
+                )
+    return rows
+
+
+def _text(places: dict[str, Path], made: Edl, truth: Truth, errors: list[dict[str, Any]]) -> str:
+    wide = max(len(name) for name in places)
+    lines = [f"{name.replace('_', ' '):<{wide}}  {path}" for name, path in places.items()]
+    lines += ["", analysis.describe(made)]
+    if errors:
+        mean = sum(e["error_px"] for e in errors) / len(errors)
+        best = sum(e["best_plane_px"] for e in errors) / len(errors)
+        lines.append(
+            f"alignment error over the field: {mean:.1f} px; the best single plane's for this relief: {best:.1f} px"
+        )
+    true = ", ".join(f"{m.start / float(truth.rate):.1f}-{m.stop / float(truth.rate):.1f} s" for m in truth.movements)
+    lines.append(f"true movements: {true or 'none'}")
+    return "\n".join(lines)
