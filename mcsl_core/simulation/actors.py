@@ -14,7 +14,7 @@ from .solids import PLASTIC, STEEL, Clay, Material, Sprite, softened
 
 GLOVES = {
     "white": (0.74, 0.80, 0.83),
-    "blue": (0.66, 0.42, 0.20),
+    "blue": (0.74, 0.50, 0.40),
     "skin": (0.50, 0.62, 0.78),
     "green": (0.50, 0.58, 0.30),
 }
@@ -28,7 +28,7 @@ REACH_MM = 200.0
 
 
 def glove_material(scenario: Scenario) -> Material:
-    return Material(GLOVES[scenario.gloves], gloss=0.34, hardness=22, rough_mm=0.5, rough_length_mm=9, mottle=0.025)
+    return Material(GLOVES[scenario.gloves], gloss=0.3, hardness=26, rough_mm=0.28, rough_length_mm=15, mottle=0.02)
 
 
 def gown_material(scenario: Scenario) -> Material:
@@ -148,12 +148,18 @@ def head(scenario: Scenario, person: int, pitch: float) -> Sprite:
 
 
 def shoulders(scenario: Scenario, person: int, pitch: float) -> Sprite:
-    """A gown from above, looking along +x; the neck is at the origin."""
+    """A gown from above, looking along +x; the neck is at the origin, the back leads away from the table."""
     rng = scenario.stream("shoulders", person)
-    clay = Clay(-200, -290, 130, 290, pitch)
-    gown = Material(GOWNS[scenario.drape], rough_mm=7, rough_length_mm=60, mottle=0.05, weave=0.03)
-    clay.rod([(-40, -165, -50), (-50, 0, -10), (-40, 165, -50)], [88, 100, 88], gown, 40)
+    clay = Clay(-330, -270, 120, 270, pitch)
+    gown = Material(GOWNS[scenario.drape], rough_mm=9, rough_length_mm=70, mottle=0.05, weave=0.03)
+    tie = Material(tuple(0.8 * c for c in GOWNS[scenario.drape]), rough_mm=1.0, rough_length_mm=9)
+    clay.rod([(-200, 0, -60), (-330, 0, -140)], [150, 160], gown, 40)
+    clay.rod([(-60, -150, -40), (-70, 0, 0), (-60, 150, -40)], [66, 92, 66], gown, 40)
     for side in (-1, 1):
-        clay.rod([(-40, side * 175, -50), (40, side * 225, -110)], [82, 62], gown, 40)
-    clay.ball((-20, 0, 40), (60, 62, 45), gown, 30)
+        seam = [(-125, side * 60, 30), (-60, side * 118, 34), (8, side * 120, 6)]
+        clay.rod(seam, 1.8, tie, 2)
+    collar = [(-12 + 50 * np.cos(a), 56 * np.sin(a), 84) for a in np.linspace(0.9, 5.4, 20)]
+    clay.rod(collar, 7, gown, 10)
+    clay.rod([(-70, 0, 90), (-130, 4, 82), (-250, -6, 40)], 2.2, tie, 2)
+    clay.rod([(-92, -14, 90), (-86, 0, 96), (-94, 16, 90)], 3.2, tie, 2)
     return softened(clay.bake(rng), 1.6)

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from .paint import clouds, mix, smoothstep, waves
+from .paint import clouds, mix, smoothstep, streaks, warp_by, waves
 from .scenario import Scenario
 from .surface import Site
 
@@ -25,17 +25,48 @@ def weave(rng: np.random.Generator, side: int, angle: float) -> NDArray:
     slub = cv2.blur(rng.standard_normal((tile, tile), np.float32), (31, 1)) * 3.5
     cloth = 0.6 * warp + 0.6 * weft + 0.5 * slub
     turn = cv2.getRotationMatrix2D((side / 2, side / 2), angle, 1.0)
-    return cv2.warpAffine(cloth, turn, (side, side), flags=cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT)
+    return cv2.warpAffine(cloth, turn, (side, side), flags=cv2.INTER_CUBIC, borderMode=cv2.BORDER_WRAP)
 
 
-def wrinkles(rng: np.random.Generator, shape: tuple[int, int], pitch: float) -> NDArray:
-    """Sharp little ridges of cloth that has been pulled about, mm."""
+def wrinkles(rng: np.random.Generator, side: int, pitch: float) -> NDArray:
+    """Creases of cloth that has been pulled about, mm."""
+    coarse = max(pitch, 1.0)
+    shape = (int(side * pitch / coarse) + 1,) * 2
     total = np.zeros(shape, np.float32)
-    where = smoothstep(-0.3, 1.2, waves(rng, shape, 60 / pitch))
-    for length, tall in ((26, 0.9), (11, 0.42), (5, 0.15)):
-        bent = waves(rng, shape, length / pitch) + 0.4 * waves(rng, shape, 0.4 * length / pitch)
-        total += tall * np.clip(1 - np.abs(bent) * 1.1, 0, 1) ** 2
-    return total * (0.35 + 0.65 * where)
+    angle = rng.uniform(0, 180)
+    where = smoothstep(-0.8, 0.8, waves(rng, shape, 70 / coarse))
+    for turn, weight in ((angle, where), (angle + rng.uniform(40, 90), 1 - where)):
+        for along, across, tall in ((75, 13, 0.9), (38, 7, 0.42), (20, 3.4, 0.16)):
+            wave = streaks(rng, shape, along / coarse, across / coarse, turn + rng.normal(0, 8))
+            crest = np.clip(1 - np.abs(wave), 0, 1)
+            total += weight * float(tall) * (crest * crest + 0.5 * wave)
+    total = warp_by(total, 5 / coarse * waves(rng, shape, 30 / coarse), 5 / coarse * waves(rng, shape, 30 / coarse))
+    total *= 0.3 + 0.7 * smoothstep(-0.8, 1.2, waves(rng, shape, 80 / coarse))
+    return cv2.resize(total, (side, side), interpolation=cv2.INTER_CUBIC)
+
+
+def _layer(rng, edge: NDArray, run: NDArray, angle: float, base: NDArray, shade: float, pitch: float, x, y):
+    """One piece of cloth: colour, fine relief, opacity, and how it shades what lies below.
+
+    edge: mm from its edge, positive on the cloth. run: mm along the edge.
+    """
+    side = edge.shape[0]
+    threads = weave(rng, side, -angle)
+    tint = (base * shade * (1 + rng.normal(0, 0.025, 3))).astype(np.float32)
+    tone = 1 + 0.045 * threads + 0.04 * waves(rng, edge.shape, 35 / pitch)
+    hem = smoothstep(0.3, 1.0, edge) * smoothstep(10.4, 9.8, edge)
+    stitch = np.exp(-(((edge - 8.2) / 0.45) ** 2)) * (np.sin(run * float(2 * np.pi / 3.2)) > -0.35)
+    tone *= 1 - 0.10 * hem - 0.22 * stitch
+    below = 1 - 0.45 * np.exp(np.clip(edge, None, 0) / 2.2) * (edge < 0.5)
+    bump = wrinkles(rng, side, pitch) * (0.5 + 0.5 * smoothstep(0, 30, edge)) + 0.55 * hem - 0.35 * stitch
+    bump += 0.02 * threads
+    c, t = float(np.cos(np.deg2rad(angle))), float(np.sin(np.deg2rad(angle)))
+    for place in (c * x + t * y, -t * x + c * y):
+        # Cloth comes folded in squares, and keeps the creases.
+        fold = (place + rng.uniform(0, 150)) % 150 - 75
+        bump += float(rng.choice((-0.45, 0.45))) * np.exp(-((fold / 1.3) ** 2))
+    on = smoothstep(-0.6 * pitch, 0.6 * pitch, edge)
+    return tone[..., None] * tint, bump.astype(np.float32), on, below
 
 
 def paint_drapes(scenario: Scenario, site: Site, x: NDArray, y: NDArray, pitch: float) -> tuple[NDArray, NDArray]:
@@ -43,33 +74,31 @@ def paint_drapes(scenario: Scenario, site: Site, x: NDArray, y: NDArray, pitch: 
     rng = scenario.stream("drapes")
     shape = x.shape
     base = np.array(COLOURS[scenario.drape], np.float32) * (1 + rng.normal(0, 0.05, 3))
+    shades = rng.normal(1.0, 0.05, 5)
+    width = rng.uniform(58, 74)
     colour = np.empty((*shape, 3), np.float32)
     colour[:] = base
     bump = np.zeros(shape, np.float32)
 
-    shades = rng.normal(1.0, 0.05, 5)
-    sheet_edge = -site.opening(x, y) - rng.uniform(62, 80) + 5 * waves(rng, shape, 90 / pitch)
-    layers = [(int(n), site.edge(int(n), x, y)) for n in site.order] + [(4, sheet_edge)]
-    for n, edge in layers:
-        on = smoothstep(-0.6 * pitch, 0.6 * pitch, edge)
-        angle = np.rad2deg(np.arctan2(site.towels[n, 1], site.towels[n, 0])) if n < 4 else rng.uniform(-10, 10)
-        threads = weave(rng, shape[0], -angle)
-        tint = base * shades[n] * (1 + rng.normal(0, 0.025, 3))
-        cloth = tint.astype(np.float32) * (1 + 0.045 * threads + 0.04 * waves(rng, shape, 35 / pitch))[..., None]
-        hem = smoothstep(0.3, 1.0, edge) * smoothstep(10.4, 9.8, edge)
-        s = (-site.towels[n, 1] * x + site.towels[n, 0] * y) if n < 4 else x + 0.7 * y
-        stitch = np.exp(-(((edge - 8.2) / 0.45) ** 2)) * (np.sin(s * 2 * np.pi / 3.2) > -0.35)
-        cloth = cloth * (1 - 0.10 * hem - 0.22 * stitch)[..., None]
-        # The layer's own thickness at its edge, and the shade it throws on what lies below.
-        shade = 1 - 0.45 * np.exp(-np.clip(-edge, 0, None) / 2.2) * (edge < 0.5)
-        colour = mix(colour * shade[..., None], cloth, on)
-        fold = wrinkles(rng, shape, pitch) * (0.5 + 0.5 * smoothstep(0, 30, edge))
-        crease = np.zeros(shape, np.float32)
-        c, t = np.cos(np.deg2rad(angle)), np.sin(np.deg2rad(angle))
-        for place, direction in ((c * x + t * y, rng.uniform(0, 150)), (-t * x + c * y, rng.uniform(0, 150))):
-            crease += np.exp(-((((place + direction) % 150 - 75) / 1.3) ** 2)) * np.float32(rng.choice((-1, 1)))
-        own = fold + 0.45 * crease + 0.55 * hem - 0.35 * stitch + 0.02 * threads
-        bump = bump * (1 - on) + own * on
-    stains = smoothstep(1.5, 2.4, clouds(rng, shape, 40 / pitch, 4) + 1.2 * smoothstep(40, 0, sheet_edge + 60))
-    colour = mix(colour, (0.10, 0.09, 0.33), 0.75 * stains * (scenario.stream("stains").random() < 0.8))
-    return colour.astype(np.float32), bump.astype(np.float32)
+    # The sheet lies over the towels from ``width`` outwards: they need painting up to there only.
+    reach = min(round((float(site.towels[:, 2].max()) * 1.35 + width + 30) / pitch), shape[0] // 2)
+    middle = shape[0] // 2
+    cut = (slice(middle - reach, middle + reach + 1),) * 2
+    xc, yc = x[cut], y[cut]
+    for n in (int(n) for n in site.order):
+        nx, ny = float(site.towels[n, 0]), float(site.towels[n, 1])
+        angle = float(np.rad2deg(np.arctan2(ny, nx)))
+        edge, run = site.edge(n, xc, yc), nx * yc - ny * xc
+        cloth, own, on, below = _layer(rng, edge, run, angle, base, shades[n], pitch, xc, yc)
+        colour[cut] = mix(colour[cut] * below[..., None], cloth, on)
+        bump[cut] = mix(bump[cut], own, on)
+    edge = -site.opening(x, y) - float(width) + 5 * waves(rng, shape, 90 / pitch)
+    cloth, own, on, below = _layer(rng, edge, x + 0.7 * y, rng.uniform(-12, 12), base, shades[4] * 0.94, pitch, x, y)
+    colour = mix(colour * below[..., None], cloth, on)
+    bump = mix(bump, own, on)
+    # Blood and fluid that ran over the edge.
+    rng = scenario.stream("stains")
+    away = -site.opening(x, y)
+    stains = smoothstep(1.6, 3.0, clouds(rng, shape, 26 / pitch, 5, 0.6) + 1.6 * smoothstep(55, 5, away) - 0.7)
+    colour = mix(colour, base * np.float32([0.12, 0.12, 0.35]) + np.float32([0.03, 0.02, 0.24]), 0.85 * stains)
+    return colour, bump

@@ -72,7 +72,7 @@ class Ground:
         """The field's cut-out (BGR uint8) after ``stage`` steps of the operation, as it glistens to ``camera``."""
         rng = self.scenario.stream("blood", stage)
         # It bleeds, is wiped, and bleeds again.
-        level = 1.25 - 0.17 * (stage % 3) + rng.uniform(-0.1, 0.1)
+        level = 1.5 - 0.2 * (stage % 3) + rng.uniform(-0.1, 0.1)
         colour, wet = self.tissue.with_blood(level, self.scenario.stream("specks", stage // 3))
         lit = colour * self.light[..., None] + (0.62 * wet * self.glints[camera])[..., None]
         gauze_in_field(self.scenario, lit, self.surface.site, self.pitch_mm, -FIELD_HALF_MM)
@@ -86,9 +86,9 @@ def lighting(height: NDArray, normal: NDArray, x: NDArray, y: NDArray, pitch: fl
     diffuse += 0.12 * lambert(normal, (-0.8, 0.1, 0.5))
     small = cv2.resize(height, None, fx=pitch / 1.5, fy=pitch / 1.5, interpolation=cv2.INTER_AREA)
     near, far = cv2.GaussianBlur(small, (0, 0), 5 / 1.5), cv2.GaussianBlur(small, (0, 0), 16 / 1.5)
-    hollow = np.clip((small - near) / 7, -0.35, 0.15) + np.clip((small - far) / 22, -0.45, 0.15)
+    hollow = np.clip((small - near) / 8, -0.3, 0.15) + np.clip((small - far) / 40, -0.28, 0.15)
     hollow = cv2.resize(hollow, (height.shape[1], height.shape[0]), interpolation=cv2.INTER_LINEAR)
-    spot = 0.40 + 0.72 * np.exp(-(x * x + y * y) / (2 * 190.0**2))
+    spot = 0.46 + 0.66 * np.exp(-(x * x + y * y) / (2 * 190.0**2))
     return (diffuse * (1 + hollow) * spot).astype(np.float32)
 
 

@@ -8,14 +8,22 @@ from numpy.typing import NDArray
 
 
 def smoothstep(low: float, high: float, x: NDArray) -> NDArray:
-    u = np.clip((x - low) / (high - low), 0, 1)
+    """0 where x is ``low``, 1 where it is ``high``, smooth between; float32 for float32."""
+    low, high = float(low), float(high)
+    u = np.clip((x - low) * (1 / (high - low)), 0, 1)
     return u * u * (3 - 2 * u)
 
 
 def mix(a: NDArray, b: NDArray | tuple, way: NDArray | float) -> NDArray:
     """``a`` where ``way`` is 0, ``b`` where it is 1; a two-dimensional ``way`` serves all three colours."""
-    weight = way[..., None] if isinstance(way, np.ndarray) and way.ndim == 2 and np.ndim(a) == 3 else way
-    return (a + (np.asarray(b, np.float32) - a) * weight).astype(np.float32)
+    weight = way if isinstance(way, np.ndarray) else float(way)
+    if isinstance(weight, np.ndarray):
+        weight = weight.astype(np.float32, copy=False)
+        weight = weight[..., None] if weight.ndim == 2 and np.ndim(a) == 3 else weight
+    out = np.asarray(b, np.float32) - a
+    out *= weight
+    out += a
+    return out.astype(np.float32, copy=False)
 
 
 def waves(rng: np.random.Generator, shape: tuple[int, int], length_px: float) -> NDArray:
@@ -26,6 +34,21 @@ def waves(rng: np.random.Generator, shape: tuple[int, int], length_px: float) ->
     coarse = (int(width / length_px) + 4, int(height / length_px) + 4)
     grid = rng.standard_normal((coarse[1], coarse[0]), np.float32)
     scale = np.array([[length_px, 0, -length_px * 1.5], [0, length_px, -length_px * 1.5]])
+    return cv2.warpAffine(grid, scale, (width, height), flags=cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT) * 1.35
+
+
+def streaks(
+    rng: np.random.Generator, shape: tuple[int, int], along_px: float, across_px: float, angle_deg: float
+) -> NDArray:
+    """Smooth noise like ``waves``, but drawn out in one direction."""
+    height, width = shape
+    reach = np.hypot(height, width)
+    cells_x, cells_y = int(reach / along_px) + 5, int(reach / across_px) + 5
+    grid = rng.standard_normal((cells_y, cells_x), np.float32)
+    c, s = np.cos(np.deg2rad(angle_deg)), np.sin(np.deg2rad(angle_deg))
+    turn = np.array([[c * along_px, -s * across_px], [s * along_px, c * across_px]])
+    shift = np.array([width / 2, height / 2]) - turn @ np.array([cells_x / 2, cells_y / 2])
+    scale = np.column_stack([turn, shift])
     return cv2.warpAffine(grid, scale, (width, height), flags=cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT) * 1.35
 
 

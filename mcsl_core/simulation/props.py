@@ -52,8 +52,9 @@ def swab(rng: np.random.Generator, pitch: float, across_mm: float) -> Sprite:
     half = across_mm / 2
     clay = Clay(-half * 1.3, -half * 1.2, half * 1.3, half * 1.2, pitch)
     x, y = clay.grid()
-    ragged = 0.16 * clouds(rng, x.shape, 30 / clay.pitch, 3)
-    box = np.maximum(np.abs(x) / half, np.abs(y) / (0.72 * half)) + 0.16 * np.hypot(x, y) / half + ragged
+    ragged = 0.07 * clouds(rng, x.shape, 34 / clay.pitch, 3)
+    square = np.maximum(np.abs(x) / half, np.abs(y) / (rng.uniform(0.6, 0.95) * half))
+    box = square + 0.10 * np.hypot(x, y) / half + ragged
     clay.sheet(box < 1, 3 + 2.0 * clouds(rng, x.shape, 26 / clay.pitch, 3) - 3 * smoothstep(0.8, 1.0, box), GAUZE)
     soaked = rng.uniform(0, 1) < 0.75
     stain = (rng.normal(0, half * 0.4), rng.normal(0, half * 0.3), half * rng.uniform(0.5, 1.5)) if soaked else None
@@ -70,6 +71,16 @@ def tube(rng: np.random.Generator, pitch: float, material: Material, radius: flo
     return clay.bake(rng), radius
 
 
+def beside_the_field(rng: np.random.Generator, site: Site, length: float) -> tuple[tuple[float, float], float]:
+    """Where a thing of that length can lie on the drapes, near the field but not in it: its tip and its direction."""
+    while True:
+        angle, far, turn = rng.uniform(0, 6.28), rng.uniform(130, 260), rng.uniform(0, 6.28)
+        tip = np.array([far * np.cos(angle), far * np.sin(angle)])
+        along = tip - np.linspace(0, length, 9)[:, None] * np.array([np.cos(turn), np.sin(turn)])
+        if (site.opening(along[:, 0], along[:, 1]) < -22).all():
+            return (float(tip[0]), float(tip[1])), turn
+
+
 def litter(scenario: Scenario, site: Site, layer: NDArray, pitch: float) -> None:
     """Everything on the drapes: laid so that the opening and the wound stay free."""
     rng = scenario.stream("litter")
@@ -84,7 +95,7 @@ def litter(scenario: Scenario, site: Site, layer: NDArray, pitch: float) -> None
     for n in corners:
         a, b = site.towels[n], site.towels[(n + 1) % 4]
         corner = np.linalg.solve(np.array([a[:2], b[:2]]), np.array([a[2] + 3, b[2] + 3]))
-        clay = Clay(-120, -30, 12, 30, pitch)
+        clay = Clay(-130, -55, 12, 55, pitch)
         tools.ringed(clay, 0, (0, 0, 0), jaw=24, length=105, open_deg=16, slope=0.02, curve=0.22)
         away = np.arctan2(corner[1], corner[0]) + rng.normal(0, 0.35)
         paste(layer, clay.bake(rng), tuple(corner), away + np.pi, pitch, 4)
@@ -97,7 +108,7 @@ def litter(scenario: Scenario, site: Site, layer: NDArray, pitch: float) -> None
         )
 
     for _ in range(int(rng.integers(3, 7))):
-        clay = Clay(-215, -45, 8, 45, pitch)
+        clay = Clay(-230, -70, 8, 70, pitch)
         kind = int(rng.integers(0, 4))
         if kind == 0:
             tools.forceps(clay, 0, (0, 0, 0), 7, 0.02)

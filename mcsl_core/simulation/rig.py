@@ -19,7 +19,12 @@ FOCAL_PER_WIDTH = 1.85
 
 
 def unit(v: NDArray) -> NDArray:
-    return v / np.linalg.norm(v)
+    return v / np.sqrt(v @ v)
+
+
+def cross(a: NDArray, b: NDArray) -> NDArray:
+    """The cross product of two 3-vectors, without np.cross's generality, which costs 30 times as much."""
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 @attrs.frozen(eq=False)
@@ -70,7 +75,7 @@ class LampPose:
         turn = np.deg2rad(self.turn_deg)
         ahead = np.array([np.cos(turn), np.sin(turn), 0.0])
         x = unit(ahead - (ahead @ up) * up)
-        return np.stack([x, np.cross(up, x), up], 1)
+        return np.stack([x, cross(up, x), up], 1)
 
 
 @attrs.frozen(eq=False)
@@ -104,9 +109,9 @@ class Rig:
         look = unit(np.array([*self.aim_error_mm[camera], -LAMP_HEIGHT_MM]) - at)
         # The top of each picture points to the lamp's axis, so neighbours are turned by the angle between them.
         roll = np.deg2rad(self.roll_error_deg[camera])
-        up = -radial * np.cos(roll) + np.cross(look, radial) * np.sin(roll)
+        up = -radial * np.cos(roll) + cross(look, radial) * np.sin(roll)
         down = unit(-(up - (up @ look) * look))
-        local = np.stack([np.cross(down, look), down, look])
+        local = np.stack([cross(down, look), down, look])
         R = local @ pose.axes.T
         centre = pose.centre_mm + pose.axes @ at
         width, height = self.size

@@ -142,8 +142,18 @@ class Clay:
         old[above] = np.broadcast_to(z, old.shape)[above]
         part[above] = index
 
+    def _trim(self) -> None:
+        """Cuts off what stayed empty, but for a margin."""
+        rows, columns = np.flatnonzero(self.part.any(1)), np.flatnonzero(self.part.any(0))
+        y0, y1 = max(rows[0] - 8, 0), min(rows[-1] + 9, self.part.shape[0])
+        x0, x1 = max(columns[0] - 8, 0), min(columns[-1] + 9, self.part.shape[1])
+        y1, x1 = y1 - (y1 - y0) % 2, x1 - (x1 - x0) % 2
+        self.z, self.part = self.z[y0:y1, x0:x1], self.part[y0:y1, x0:x1]
+        self.left, self.top = self.left + x0 * self.pitch, self.top + y0 * self.pitch
+
     def bake(self, rng: np.random.Generator, stain: tuple | None = None) -> Sprite:
         """Light falls on it; ``stain`` is (x, y, radius) in mm of a place that is bloody."""
+        self._trim()
         shape, pitch = self.z.shape, self.pitch
         solid = self.part > 0
         bump = np.zeros(shape, np.float32)

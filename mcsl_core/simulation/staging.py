@@ -6,13 +6,14 @@ A placement puts a sprite's plane at ``origin`` (mm) with the plane's x and y al
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Literal
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from . import actors
-from .rig import LampPose, Rig, unit
+from .rig import LampPose, Rig, cross, unit
 from .scenario import Scenario
 from .schedule import LampPath, Person, Progression, Worker, ease, lamp_path, people, sway, workers
 from .solids import Sprite
@@ -28,12 +29,12 @@ class Placement:
     origin: NDArray
     ahead: NDArray
     aside: NDArray
-    is_hand: bool
-    """True for hands at work, which hide the field for every camera alike; False for heads and reaching arms."""
+    kind: Literal["sleeve", "hand", "head"]
+    """Sleeves and hands at work are drawn below everything else (heads, shoulders, arms that reach for the lamp)."""
+    ground_z: float = 0.0
+    """Height of the surface below a sleeve or hand, which shades it."""
     facing: bool = False
     """A round thing, to be turned towards whoever looks."""
-    shade_z: float | None = None
-    """Height of the surface below, if it is near enough to be shaded."""
 
 
 @attrs.frozen(eq=False)
@@ -93,10 +94,10 @@ class Play:
         for n, person in enumerate(self.persons):
             at = person.head_at(t)
             inward = -person.outward
-            yield Placement(self.cast.shoulders[n], at - 85 * inward - 125 * UP, inward, np.cross(UP, inward), False)
+            yield Placement(self.cast.shoulders[n], at - 165 * inward - 190 * UP, inward, cross(UP, inward), "head")
         for n, person in enumerate(self.persons):
             yield Placement(
-                self.cast.heads[n], person.head_at(t), -person.outward, np.cross(UP, -person.outward), False, True
+                self.cast.heads[n], person.head_at(t), -person.outward, cross(UP, -person.outward), "head", facing=True
             )
         yield from self._reaching_arm(t)
 
@@ -112,8 +113,8 @@ class Play:
         step = round(float(worker.grip.at(t)[0]) * (len(grips) - 1))
         wrist = tip - (actors.REACH_MM - 6) * sloping
         forearm = unit(wrist - elbow)
-        yield Placement(self.cast.sleeves[n], wrist, forearm, unit(np.cross(UP, forearm)), True, shade_z=ground)
-        yield Placement(grips[step], tip, sloping, np.cross(UP, ahead), True, shade_z=ground)
+        yield Placement(self.cast.sleeves[n], wrist, forearm, unit(cross(UP, forearm)), "sleeve", ground)
+        yield Placement(grips[step], tip, sloping, cross(UP, ahead), "hand", ground)
 
     def _reaching_arm(self, t: float) -> Iterator[Placement]:
         """Somebody takes the lamp's handle a little before a movement and lets go a little after it."""
@@ -129,8 +130,8 @@ class Play:
             hand = shoulder * 0.85 + held * (handle(pose) - shoulder * 0.85) + sway(t, rng.uniform(0, 6, 3), 3)
             forearm = unit(hand - shoulder)
             level = unit(forearm * (1, 1, 0))
-            yield Placement(self.cast.arm, hand - 130 * forearm, forearm, unit(np.cross(UP, forearm)), False)
-            yield Placement(self.cast.fist, hand, unit(level + 0.5 * forearm), np.cross(UP, level), False)
+            yield Placement(self.cast.arm, hand - 130 * forearm, forearm, unit(cross(UP, forearm)), "head")
+            yield Placement(self.cast.fist, hand, unit(level + 0.5 * forearm), cross(UP, level), "head")
 
 
 def handle(pose: LampPose) -> NDArray:

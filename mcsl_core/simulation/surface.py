@@ -10,11 +10,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from .paint import clouds, smoothstep, waves
+from .paint import clouds, smoothstep, streaks, warp_by, waves
 from .rig import View
 from .scenario import Scenario
 
-HALF_MM = 480.0
+HALF_MM = 432.0
 PITCH_MM = 1.5
 SIDE = int(2 * HALF_MM / PITCH_MM) + 1
 
@@ -52,15 +52,16 @@ class Site:
 
     def along(self, x: NDArray, y: NDArray) -> tuple[NDArray, NDArray]:
         """Coordinates along and across the incision, mm."""
-        c, s = np.cos(np.deg2rad(self.axis_deg)), np.sin(np.deg2rad(self.axis_deg))
+        c, s = float(np.cos(np.deg2rad(self.axis_deg))), float(np.sin(np.deg2rad(self.axis_deg)))
         u, v = c * x + s * y, -s * x + c * y
         return u, v - self.bend * u * u
 
     def edge(self, n: int, x: NDArray, y: NDArray) -> NDArray:
         """mm from towel n's edge, positive on the towel."""
-        nx, ny, d = self.towels[n]
+        # Plain floats, for numpy 2 makes doubles of float32 maps that meet its own scalars.
+        nx, ny, d = (float(v) for v in self.towels[n])
         s = -ny * x + nx * y
-        wave = 2.2 * np.sin(s / 31 + self.wobble[n]) + 1.2 * np.sin(s / 13.7 + 2 * self.wobble[n + 4])
+        wave = 2.2 * np.sin(s / 31 + float(self.wobble[n])) + 1.2 * np.sin(s / 13.7 + 2 * float(self.wobble[n + 4]))
         return nx * x + ny * y - d + wave - 0.0007 * s * s
 
     def opening(self, x: NDArray, y: NDArray) -> NDArray:
@@ -71,7 +72,7 @@ class Site:
         """1 along the incision's middle, 0 at its lips, negative outside."""
         u, v = self.along(x, y)
         length, width = self.wound_mm
-        ragged = 1 + 0.05 * np.sin(u / 7.3 + self.wobble[0]) + 0.04 * np.sin(u / 3.1 + self.wobble[1])
+        ragged = 1 + 0.05 * np.sin(u / 7.3 + float(self.wobble[0])) + 0.04 * np.sin(u / 3.1 + float(self.wobble[1]))
         lens = width * ragged * np.sqrt(np.clip(1 - (u / length) ** 2, 1e-4, None))
         return 1 - np.maximum(np.abs(v) / lens, np.abs(u) / length)
 
@@ -152,12 +153,18 @@ def relief(scenario: Scenario, site: Site) -> NDArray:
 
 
 def drape_folds(rng: np.random.Generator, shape: tuple[int, int], opening: NDArray) -> NDArray:
-    """Long soft ridges that grow away from the opening, where the cloth is held down."""
+    """Long folds in two main directions that grow away from the opening, where the cloth is held down."""
+    bend_x, bend_y = (12 * waves(rng, shape, 60) for _ in range(2))
+    angle = rng.uniform(0, 180)
+    where = smoothstep(-0.6, 0.6, waves(rng, shape, 110))
     total = np.zeros(shape, np.float32)
-    for length, tall in ((70, 7.0), (34, 2.6)):
-        ridge = 1 - np.abs(waves(rng, shape, length) + 0.35 * waves(rng, shape, length / 2.3))
-        total += tall * np.clip(ridge, 0, 1) ** 2.2
-    return total * (0.25 + 0.75 * smoothstep(10, 110, -opening))
+    for turn, weight in ((angle, where), (angle + rng.uniform(50, 110), 1 - where)):
+        for along, across, tall in ((190, 34, 5.0), (110, 17, 2.6)):
+            wave = streaks(rng, shape, along / PITCH_MM, across / PITCH_MM, turn)
+            ridge = np.clip(1 - np.abs(wave) * 0.9, 0, 1)
+            total += weight * tall * (0.55 * np.tanh(wave) + 0.8 * ridge * ridge)
+    total = warp_by(total.astype(np.float32), bend_x, bend_y)
+    return total * (0.2 + 0.8 * smoothstep(10, 110, -opening))
 
 
 def spread(site: Site, height: NDArray, step_mm: float) -> NDArray:

@@ -16,8 +16,8 @@ from .scenario import Scenario
 from .surface import Site
 
 SKINS = {"light": (0.52, 0.63, 0.84), "medium": (0.33, 0.45, 0.68), "dark": (0.15, 0.21, 0.36)}
-BLOOD = (0.035, 0.03, 0.36)
-DEEP_BLOOD = (0.02, 0.015, 0.19)
+BLOOD = (0.05, 0.04, 0.47)
+DEEP_BLOOD = (0.03, 0.02, 0.27)
 
 
 @attrs.frozen(eq=False)
@@ -39,7 +39,7 @@ class Tissue:
         thick = smoothstep(level + 0.1, level + 0.8, self.bleed)
         colour = mix(self.colour, BLOOD, 0.82 * film)
         colour = mix(colour, DEEP_BLOOD, 0.75 * thick)
-        drops = smoothstep(2.25, 2.6, waves(specks, self.wet.shape, 4.5) + 0.3 * self.bleed)
+        drops = smoothstep(2.5, 2.9, waves(specks, self.wet.shape, 5.5) + 0.5 * self.bleed)
         colour = mix(colour, BLOOD, 0.75 * drops)
         return colour, np.maximum(self.wet, np.maximum(film, drops) * 0.9)
 
@@ -89,19 +89,19 @@ def _skin(scenario, site, x, y, u, v, depth, pitch):
     spots = np.zeros(shape, np.uint8)
     hair = np.zeros(shape, np.uint8)
     half = (shape[1] - 1) / 2
-    for _ in range(int(rng.integers(10, 60))):
+    for _ in range(int(rng.integers(6, 36))):
         at = rng.uniform(-110, 110, 2) / pitch + half
         radius = rng.uniform(0.4, 1.3) / pitch
         cv2.circle(spots, tuple(int(c * 16) for c in at), int(radius * 16), int(rng.integers(70, 220)), -1, 16, 4)
     colour = mix(colour, base * np.float32([0.35, 0.42, 0.55]), spots / np.float32(255))
     lie = rng.uniform(0, 6.28)
-    for _ in range(int(rng.integers(150, 700))):
+    for _ in range(int(rng.integers(60, 420))):
         at, turn = rng.uniform(-110, 110, 2), lie + rng.normal(0, 0.45)
         length, curl = rng.uniform(3, 9), rng.normal(0, 0.09)
         way = np.linspace(0, length, 6)
         bend = turn + curl * way
         line = at + np.stack([np.cos(bend), np.sin(bend)], 1) * way[:, None]
-        polyline(hair, line / pitch + half, 0.25 / pitch, rng.uniform(0.25, 0.6))
+        polyline(hair, line / pitch + half, 0.25 / pitch, rng.uniform(0.15, 0.45))
     colour = mix(colour, base * np.float32([0.22, 0.22, 0.28]), hair / np.float32(255))
 
     pen = np.zeros(shape, np.uint8)

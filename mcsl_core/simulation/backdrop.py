@@ -1,0 +1,123 @@
+"""What one camera sees of all that lies still: the ground's map, looked up through the relief, pose by pose."""
+
+from __future__ import annotations
+
+import attrs
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from .ground import Ground
+from .rig import View
+from .staging import Play
+from .surface import HALF_MM
+
+COARSE = 4
+"""Where rays meet the surface is worked out on every fourth pixel and interpolated between: the surface is smooth."""
+STEPS = 64
+"""Steps from one state of the field to the next: finer ones change no pixel by a whole level."""
+SHUTTER_S = 1 / 60
+
+
+@attrs.frozen(eq=False)
+class _Still:
+    """The picture of a pose, and where in it the field's cut-out shows."""
+
+    pose: int
+    step: int
+    picture: NDArray
+    window: tuple[slice, slice] | None
+    mask: NDArray
+    map_x: NDArray
+    map_y: NDArray
+
+
+class Backdrop:
+    """Pictures of the ground for one camera, in colours that ``prepared`` makes; quick when time rises."""
+
+    def __init__(self, play: Play, ground: Ground, camera: int, prepared) -> None:
+        self._play, self._ground, self._camera, self._prepared = play, ground, camera, prepared
+        self._base = prepared(ground.base)
+        self._states: dict[int, NDArray] = {}
+        self._still: _Still | None = None
+        self._moving: tuple[int, NDArray] | None = None
+
+    def at(self, t: float) -> tuple[NDArray, View]:
+        """The picture at programme time ``t``, not to be drawn upon, and where the camera is."""
+        pose, still = self._play.path.pose(t)
+        view = self._play.rig.view(self._camera, pose)
+        step = round(self._play.progression.at(t) * STEPS)
+        if still is None:
+            if self._moving is None or self._moving[0] != step:
+                self._moving = (step, self._texture(step))
+            return self._blurred(self._moving[1], t), view
+        self._moving = None
+        if self._still is None or self._still.pose != still:
+            self._still = self._fresh(still, step, view)
+        elif self._still.step != step:
+            self._still = self._refreshed(self._still, step)
+        return self._still.picture, view
+
+    def _blurred(self, texture: NDArray, t: float) -> NDArray:
+        """What a moving camera sees while its shutter is open: two looks, laid over each other."""
+        looks = []
+        for moment in (t - SHUTTER_S / 4, t + SHUTTER_S / 4):
+            pose, _ = self._play.path.pose(moment)
+            looks.append(_look(texture, *self._maps(self._play.rig.view(self._camera, pose))))
+        return cv2.addWeighted(looks[0], 0.5, looks[1], 0.5, 0)
+
+    def _state(self, stage: int) -> NDArray:
+        if stage not in self._states:
+            while len(self._states) > 2:
+                self._states.pop(min(self._states))
+            self._states[stage] = self._prepared(self._ground.state(stage, self._camera))
+        return self._states[stage]
+
+    def _field_at(self, step: int) -> NDArray:
+        stage, way = step // STEPS, step % STEPS / STEPS
+        return cv2.addWeighted(self._state(stage), 1 - way, self._state(stage + 1), way, 0)
+
+    def _texture(self, step: int) -> NDArray:
+        texture = self._base.copy()
+        texture[self._ground.cut] = self._field_at(step)
+        return texture
+
+    def _maps(self, view: View) -> tuple[NDArray, NDArray]:
+        """Where in the ground's map each pixel looks."""
+        width, height = self._play.scenario.size
+        columns, rows = -(-width // COARSE), -(-height // COARSE)
+        # cv2.resize puts coarse sample i at pixel COARSE * i + (COARSE - 1) / 2.
+        x = np.arange(columns) * COARSE + (COARSE - 1) / 2
+        y = np.arange(rows) * COARSE + (COARSE - 1) / 2
+        gx, gy = self._play.surface.meet(view, np.stack(np.meshgrid(x, y), -1))
+        scale, shift = 1 / self._ground.pitch_mm, HALF_MM / self._ground.pitch_mm
+        full = (columns * COARSE, rows * COARSE)
+        mx, my = (cv2.resize(g * scale + shift, full, interpolation=cv2.INTER_LINEAR) for g in (gx, gy))
+        return mx[:height, :width], my[:height, :width]
+
+    def _fresh(self, pose: int, step: int, view: View) -> _Still:
+        map_x, map_y = self._maps(view)
+        cut = self._ground.cut
+        low, high = cut[0].start + 1, cut[0].stop - 2
+        mask = (map_x > low) & (map_x < high) & (map_y > low) & (map_y < high)
+        window = None
+        if mask.any():
+            rows, columns = np.flatnonzero(mask.any(1)), np.flatnonzero(mask.any(0))
+            window = (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
+            mask, map_x_cut, map_y_cut = mask[window], map_x[window] - cut[1].start, map_y[window] - cut[0].start
+        else:
+            map_x_cut, map_y_cut = map_x, map_y
+        picture = _look(self._texture(step), map_x, map_y)
+        return _Still(pose, step, picture, window, mask.astype(np.uint8), map_x_cut, map_y_cut)
+
+    def _refreshed(self, still: _Still, step: int) -> _Still:
+        """The same picture with the field as it has become."""
+        if still.window is None:
+            return attrs.evolve(still, step=step)
+        picture = still.picture.copy()
+        cv2.copyTo(_look(self._field_at(step), still.map_x, still.map_y), still.mask, picture[still.window])
+        return attrs.evolve(still, step=step, picture=picture)
+
+
+def _look(texture: NDArray, map_x: NDArray, map_y: NDArray) -> NDArray:
+    return cv2.remap(texture, map_x, map_y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
