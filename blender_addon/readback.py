@@ -109,7 +109,9 @@ class _Segments:
                 values[index] = value
         return values
 
-    def runs(self, values: Sequence[Any] | Mapping[int, Any], among: range | None = None) -> Iterator[tuple[FrameRange, Any]]:
+    def runs(
+        self, values: Sequence[Any] | Mapping[int, Any], among: range | None = None
+    ) -> Iterator[tuple[FrameRange, Any]]:
         """Neighbouring segments of equal value as one range."""
         for value, group in groupby(among or range(self.count), key=lambda index: values[index]):
             indices = list(group)
@@ -136,9 +138,7 @@ class _Change:
 
 def _said(edl: Edl, name: str) -> list[tuple[int, int, Any]]:
     """The overrides' layers of one field, in their order."""
-    return [
-        (o.range.start, o.range.stop, value) for o in edl.overrides if (value := getattr(o, name)) is not None
-    ]
+    return [(o.range.start, o.range.stop, value) for o in edl.overrides if (value := getattr(o, name)) is not None]
 
 
 def _camera_changes(
@@ -184,9 +184,7 @@ def _camera_of(state: SequencerState, strip: FoundStrip, frame: int, known: set[
     return names.pop()
 
 
-def _look_changes(
-    edl: Edl, name: str, segments: _Segments, top: Sequence[FoundStrip | None]
-) -> list[_Change | None]:
+def _look_changes(edl: Edl, name: str, segments: _Segments, top: Sequence[FoundStrip | None]) -> list[_Change | None]:
     ground = getattr(edl.look, name)
     holds = segments.paint(_said(edl, name), ground)
     changes: list[_Change | None] = [None] * segments.count

@@ -1,0 +1,287 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""StripPlan -> the sequencer, and the sequencer -> SequencerState: the only user of Blender's strip API.
+
+Programme frame n is Blender's frame n + 1. Every strip made here carries the property `mcsl` with its role (camera,
+programme, centering, conformed, sound); what has none belongs to the editor and is never touched, only moved up when
+it lies where our channels are. What differs between Blender 4.5, 5.0 and 5.2 stands in the first section.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy  # pyright: ignore[reportMissingImports]
+
+from mcsl_core.errors import BlenderError, InputError
+
+from . import plan as plans
+from .plan import CameraTrack, ConformedPiece, OffsetKey, StripPlan
+from .readback import FoundCamera, FoundStrip, SequencerState
+
+ROLE = "mcsl"
+REBUILT = ("programme", "centering", "conformed", "sound")  # from the EDL anew; camera strips stay as they are
+OVERRIDDEN_COLOUR = "COLOR_03"  # yellow: an editor's decision
+_CONSTANT, _LINEAR = 0, 1  # Blender's interpolation codes, as foreach_set takes them
+
+# --------------------------------------------------------------------------------------------- version differences
+
+
+def new_effect(scene: Any, name: str, kind: str, channel: int, start: int, stop: int) -> Any:
+    """An effect strip over programme frames [start, stop). 4.5 takes an end, 5.0 a length."""
+    span = {"length": stop - start} if bpy.app.version >= (5, 0, 0) else {"frame_end": stop + 1}
+    return scene.sequence_editor.strips.new_effect(name=name, type=kind, channel=channel, frame_start=start + 1, **span)
+
+
+def ends(strip: Any) -> tuple[int, int]:
+    """The programme frames [start, stop) a strip shows. `frame_final_*` is deprecated in 5.2."""
+    if hasattr(strip, "left_handle"):
+        return int(strip.left_handle) - 1, int(strip.right_handle) - 1
+    return int(strip.frame_final_start) - 1, int(strip.frame_final_end) - 1
+
+
+def use_sequencer_scene(scene: Any) -> None:
+    """From 5.0 each workspace names the scene it cuts; unset, touching strip modifiers crashes."""
+    for workspace in bpy.data.workspaces:
+        if hasattr(workspace, "sequencer_scene"):
+            workspace.sequencer_scene = scene
+
+
+# -------------------------------------------------------------------------------------------------------- building
+
+
+def build(scene: Any, plan: StripPlan, base: Path) -> list[str]:
+    """Fills an empty scene. base: the folder the plan's paths are relative to. Returns remarks for a person.
+
+    Raises BlenderError naming the file that Blender cannot open.
+    """
+    _settings(scene, plan)
+    scene.sequence_editor_create()
+    notes = []
+    for track in plan.cameras:
+        notes.extend(_camera(scene, plan, track, base))
+    notes.extend(_decided(scene, plan, base))
+    for marker in plan.markers:
+        scene.timeline_markers.new(marker.name, frame=marker.frame + 1)
+    return notes
+
+
+def rebuild(scene: Any, plan: StripPlan, base: Path) -> list[str]:
+    """Programme, Centering, Conformed and sound anew from ``plan``; cameras and the editor's own strips stay.
+
+    The editor's strips on our channels move above the Conformed channel, keeping their order.
+    """
+    editor = scene.sequence_editor
+    for strip in [s for s in editor.strips if _role(s) in REBUILT or (s.type == "MULTICAM" and not s.mute)]:
+        editor.strips.remove(strip)
+    notes = []
+    own = range(plan.programme_channel, plan.conformed_channel + 1)
+    lodgers = sorted((s for s in editor.strips if not _role(s) and s.channel in own), key=lambda s: -s.channel)
+    if lodgers:
+        above = max([s.channel for s in editor.strips] + [plan.conformed_channel])
+        moves = {s.name: above + 1 + s.channel - plan.programme_channel for s in lodgers}
+        for strip in lodgers:
+            strip.channel = moves[strip.name]
+        notes.append(f"moved above the Conformed channel: {', '.join(sorted(moves))}")
+    return notes + _decided(scene, plan, base)
+
+
+def _settings(scene: Any, plan: StripPlan) -> None:
+    render = scene.render
+    render.fps = -(-plan.rate.numerator // plan.rate.denominator)  # rounded up, as Blender's own 30 / 1.001
+    render.fps_base = float(render.fps / plan.rate)
+    render.resolution_x, render.resolution_y = plan.size
+    render.use_sequencer, render.use_compositing = True, False
+    render.dither_intensity = 0.0
+    render.use_stamp = False
+    scene.frame_start, scene.frame_end, scene.frame_step = 1, plan.frames, 1
+    # Standard keeps 47-48 dB against the source, the default AgX 33 dB.
+    scene.display_settings.display_device = "sRGB"
+    view = scene.view_settings
+    view.view_transform, view.look, view.exposure, view.gamma = "Standard", "None", 0.0, 1.0
+    scene.sequencer_colorspace_settings.name = "sRGB"
+
+
+def _camera(scene: Any, plan: StripPlan, track: CameraTrack, base: Path) -> list[str]:
+    """A camera's files, one movie strip each (0.15 s of opening), split at the pieces; what lies between goes."""
+    notes = []
+    _channel(scene, track.channel, track.camera)
+    for file in track.files:
+        strip = _movie(scene, track.camera, base / file.path, track.channel, file.start)
+        strip[ROLE], strip["mcsl_camera"] = "camera", track.camera
+        start, stop = ends(strip)
+        if stop - start != file.frames:
+            notes.append(f"{track.camera}: {file.path} has {file.frames} frames, Blender counts {stop - start}")
+        pieces = [p for p in file.pieces if p.range.start < stop]
+        for piece in pieces:
+            if piece.range.start > start:
+                gap, strip = strip, _split(strip, piece.range.start)
+                scene.sequence_editor.strips.remove(gap)
+            rest = _split(strip, piece.range.stop) if piece.range.stop < stop else None
+            t, to = piece.transform, strip.transform
+            to.offset_x, to.offset_y, to.rotation = t.offset_x, t.offset_y, t.rotation
+            to.scale_x = to.scale_y = t.scale
+            if rest is None:
+                break
+            strip, start = rest, piece.range.stop
+        else:
+            scene.sequence_editor.strips.remove(strip)  # what is left lies after the last piece
+    return notes
+
+
+def _split(strip: Any, frame: int) -> Any:
+    """The right part of ``strip`` cut at a programme frame; ``strip`` keeps the left."""
+    right = strip.split(frame=frame + 1, split_method="SOFT")
+    if right is None:
+        raise BlenderError(f"strip {strip.name!r} cannot be split at frame {frame + 1}")
+    return right
+
+
+def _movie(scene: Any, name: str, path: Path, channel: int, start: int) -> Any:
+    if not path.is_file():
+        raise InputError("is missing", where=str(path), remedy="Put the file back, or correct the EDL's media paths")
+    strip = scene.sequence_editor.strips.new_movie(
+        name=name, filepath=str(path), channel=channel, frame_start=start + 1, fit_method="ORIGINAL"
+    )
+    if not strip.elements or strip.elements[0].orig_width == 0:
+        raise BlenderError("Blender cannot read it as video", where=str(path), remedy="Convert it to H.264 in MP4")
+    strip.blend_type = "REPLACE"  # with ALPHA_OVER, the default, all cameras below are decoded too
+    return strip
+
+
+def _decided(scene: Any, plan: StripPlan, base: Path) -> list[str]:
+    """Everything that follows from decisions: Programme, Centering, Conformed, sound, and the ids in the scene."""
+    _channel(scene, plans.AUDIO_CHANNEL, "Audio")
+    _channel(scene, plan.programme_channel, "Programme")
+    _channel(scene, plan.centering_channel, "Centering")
+    _channel(scene, plan.conformed_channel, "Conformed")
+    for shot in plan.programme:
+        strip = new_effect(scene, shot.camera, "MULTICAM", plan.programme_channel, shot.range.start, shot.range.stop)
+        strip.multicam_source = shot.source
+        strip[ROLE], strip["mcsl_id"], strip["mcsl_automatic"] = "programme", shot.id, shot.automatic
+        if shot.overridden:
+            strip.color_tag = OVERRIDDEN_COLOUR
+    _centering(scene, plan)
+    for piece in plan.conformed:
+        conformed(scene, piece, plan.conformed_channel, base)
+    scene["mcsl_automatic"] = plans.automatic_to_text(plan.automatic)
+    return _sound(scene, plan, base)
+
+
+def conformed(scene: Any, piece: ConformedPiece, channel: int, base: Path) -> None:
+    """One file of exact pictures in its place. BlenderError when its length is not the stretch's."""
+    path = base / piece.path
+    strip = _movie(scene, "conformed", path, channel, piece.range.start)
+    strip[ROLE] = "conformed"
+    if ends(strip) != (piece.range.start, piece.range.stop):
+        start, stop = ends(strip)
+        raise BlenderError(
+            f"has {stop - start} frames, {len(piece.range)} belong there", where=str(path), remedy="Conform again"
+        )
+
+
+def _sound(scene: Any, plan: StripPlan, base: Path) -> list[str]:
+    """The sound strips, cut to the programme; a file without sound is a remark, not a fault."""
+    notes = []
+    for piece in plan.sound:
+        path = base / piece.path
+        if not path.is_file():
+            raise InputError("is missing", where=str(path), remedy="Put the file back, or correct the EDL's paths")
+        strip = scene.sequence_editor.strips.new_sound(
+            name="sound", filepath=str(path), channel=plans.AUDIO_CHANNEL, frame_start=piece.start + 1
+        )
+        strip[ROLE] = "sound"
+        start, stop = ends(strip)
+        if strip.sound.samplerate == 0 or stop <= 0 or start >= plan.frames:
+            if strip.sound.samplerate == 0:
+                notes.append(f"{piece.path} has no sound")
+            scene.sequence_editor.strips.remove(strip)
+            continue
+        if start < 0:
+            before, strip = strip, _split(strip, 0)
+            scene.sequence_editor.strips.remove(before)
+        if stop > plan.frames:
+            scene.sequence_editor.strips.remove(_split(strip, plan.frames))
+    return notes
+
+
+def has_sound(scene: Any) -> bool:
+    """Whether any sound strip is left that can be heard."""
+    return any(s.type == "SOUND" and not s.mute for s in scene.sequence_editor.strips_all)
+
+
+def _centering(scene: Any, plan: StripPlan) -> None:
+    strip = new_effect(scene, "Centering", "ADJUSTMENT", plan.centering_channel, 0, plan.frames)
+    strip[ROLE] = "centering"
+    strip.transform.filter = "BILINEAR"
+    for axis in ("x", "y"):
+        _keys(scene, f'sequence_editor.strips_all["{strip.name}"].transform.offset_{axis}', plan.centering, axis)
+
+
+def _keys(scene: Any, path: str, keys: tuple[OffsetKey, ...], axis: str) -> None:
+    """An F-curve with all keys at once: 10,000 in 7 ms."""
+    if not keys:
+        return
+    animation = scene.animation_data_create()
+    if animation.action is None:
+        animation.action = bpy.data.actions.new("mcsl")
+    curve = animation.action.fcurve_ensure_for_datablock(scene, path)
+    points = curve.keyframe_points
+    points.clear()
+    points.add(len(keys))
+    points.foreach_set("co", [number for key in keys for number in (key.frame + 1, getattr(key, axis))])
+    points.foreach_set("interpolation", [_CONSTANT if key.hold else _LINEAR for key in keys])
+    curve.update()
+
+
+def _channel(scene: Any, index: int, name: str) -> None:
+    scene.sequence_editor.channels[index].name = name
+
+
+def _role(strip: Any) -> str:
+    return strip.get(ROLE, "")
+
+
+# --------------------------------------------------------------------------------------------------------- reading
+
+
+def read(scene: Any) -> SequencerState:
+    """What the editor left: every Multicam strip on every channel, and where the cameras are."""
+    editor = scene.sequence_editor
+    top = {s.name for s in editor.strips}
+    for strip in editor.strips_all:
+        if strip.type == "MULTICAM" and strip.name not in top:
+            raise InputError(
+                "is a Multicam strip inside a meta strip, where it has no cameras",
+                where=f"strip {strip.name!r}",
+                remedy="Separate the meta strip (Ctrl-Alt-G) and save",
+            )
+    strips, cameras = [], []
+    for strip in editor.strips:
+        start, stop = ends(strip)
+        if strip.type == "MULTICAM":
+            strips.append(
+                FoundStrip(
+                    name=strip.name,
+                    channel=strip.channel,
+                    start=start,
+                    stop=stop,
+                    source=strip.multicam_source,
+                    muted=strip.mute,
+                    centering=_switch(strip, "mcsl_centering"),
+                    fill=_switch(strip, "mcsl_fill"),
+                )
+            )
+        elif _role(strip) == "camera":
+            cameras.append(FoundCamera(strip["mcsl_camera"], strip.channel, start, stop))
+    automatic = scene.get("mcsl_automatic")
+    return SequencerState(
+        strips=tuple(strips),
+        cameras=tuple(cameras),
+        automatic=plans.automatic_from_text(automatic) if automatic else None,
+    )
+
+
+def _switch(strip: Any, name: str) -> bool | None:
+    value = strip.get(name)
+    return None if value is None else bool(value)
