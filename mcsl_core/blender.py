@@ -1,45 +1,64 @@
-"""Blender as a tool of ours: which one is used and why, and running a task in it as a child process.
+"""Blender as a tool of ours: which one is used and why, what it lacks to start, and making one of our own.
 
-Blender is either a binary or a Python that has the module bpy. Nothing here imports bpy. The child is
-blender_addon/background.py; it is started as a separate program and spoken to in JSON.
+Blender is either a binary or a Python that has the module bpy. Nothing here imports bpy. Each bpy has a wheel for one
+Python only, so ours lives in an environment of its own, and it links against system libraries that a bare Debian
+lacks. Running a task in a Blender is blender_child.py.
 """
 
 from __future__ import annotations
 
 import importlib.util
-import json
 import os
 import re
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Mapping
+from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any, Literal, NoReturn
+from typing import Literal
 
 import platformdirs
 from attrs import frozen
 
-from .errors import BlenderError, InputError, UsageError
-from .progress import CancelToken, Progress, Silent
+from .errors import BlenderError, McslError
+from .progress import Progress, Silent
 
 SUPPORTED = {(4, 5): "4.5 LTS", (5, 0): "5.0", (5, 2): "5.2 LTS"}
 SUPPORTED_TEXT = "4.5 LTS, 5.0 or 5.2 LTS"
-_POLL_S = 0.05
+
+# Python -> the bpy that has a wheel for it. In order of preference: what the tests use first.
+WHEELS = {"3.11": "bpy==5.0.1", "3.13": "bpy>=5.2,<5.3"}
+BESIDE = ("attrs>=24.2", "cattrs>=24.1")
+
+# Shared object -> Debian package (trixie and bookworm), of everything bpy links against outside the C library.
+PACKAGES = {
+    "libX11.so.6": "libx11-6",
+    "libXrender.so.1": "libxrender1",
+    "libXfixes.so.3": "libxfixes3",
+    "libXi.so.6": "libxi6",
+    "libXxf86vm.so.1": "libxxf86vm1",
+    "libxkbcommon.so.0": "libxkbcommon0",
+    "libSM.so.6": "libsm6",
+    "libICE.so.6": "libice6",
+    "libGL.so.1": "libgl1",
+    "libEGL.so.1": "libegl1",
+}
 
 
 @frozen
 class Blender:
-    """A Blender that can be run. kind: a binary, or a Python with bpy. why: where it was found, for a person."""
+    """A Blender that can be run. kind: a binary, or a Python with bpy. command: the words that start it."""
 
     kind: Literal["binary", "module"]
-    command: str
+    command: tuple[str, ...]
     version: str
     why: str
+
+    def __str__(self) -> str:
+        what = "Blender" if self.kind == "binary" else "Python with Blender as a module,"
+        return f"{what} {self.version}: {' '.join(self.command)} ({self.why})"
 
 
 def home() -> Path:
@@ -124,120 +143,160 @@ def _checked(kind: Literal["binary", "module"], command: str, number: str, why: 
             where=why,
             remedy=f"Use {SUPPORTED_TEXT}, or run `mcsl blender install`",
         )
-    return Blender(kind, command, number, why)
+    return Blender(kind, (command,), number, why)
 
 
-# --------------------------------------------------------------------------------------------------------- running
+# -------------------------------------------------------------------------------------------------------- what it lacks
 
 
-def script() -> Path:
-    """The child's script, blender_addon/background.py, without importing the add-on."""
-    spec = importlib.util.find_spec("blender_addon")
-    if spec is None or spec.origin is None:
-        raise BlenderError("the add-on's files are missing", remedy="Install mcsl again")
-    return Path(spec.origin).with_name("background.py")
+@frozen
+class Diagnosis:
+    """Whether a Blender starts. missing: shared objects it lacks. install: the line that brings them, or ''."""
+
+    starts: bool
+    missing: tuple[str, ...] = ()
+    install: str = ""
+    said: str = ""
 
 
-def search_paths() -> list[str]:
-    """Folders the child appends to its own: those that hold mcsl, attrs, cattrs and what they need, all pure Python."""
-    folders = [script().parents[1]]
-    for name in ("mcsl_core", "attr", "attrs", "cattrs", "typing_extensions"):
-        spec = importlib.util.find_spec(name)
-        if spec is not None and spec.origin is not None:
-            folders.append(Path(spec.origin).parent if name == "typing_extensions" else Path(spec.origin).parents[1])
-    return list(dict.fromkeys(str(folder.resolve()) for folder in folders))
+def diagnose(blender: Blender) -> Diagnosis:
+    """Starts ``blender`` once and, where it does not start, says which system libraries are missing."""
+    ask = ["-b", "--factory-startup", "--version"] if blender.kind == "binary" else ["-c", "import bpy"]
+    try:
+        done = subprocess.run([*blender.command, *ask], capture_output=True, text=True, timeout=120, check=False)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return Diagnosis(False, said=str(error))
+    said = done.stdout + done.stderr
+    if done.returncode == 0:
+        return Diagnosis(True)
+    missing = _missing_of(blender) or tuple(named_by_loader(said))
+    return Diagnosis(False, missing, install_line(missing), said.strip().splitlines()[-1] if said.strip() else "")
 
 
-def run(blender: Blender, request: Mapping[str, Any], progress: Progress | None = None) -> dict[str, Any]:
-    """Runs a task of blender_addon/tasks.py in a child process and returns its result.
+def explain_missing(blender: Blender, log: str) -> McslError | None:
+    """The error to raise when ``log`` shows the loader missing a library; None when that is not what it shows."""
+    if not (named := named_by_loader(log)):
+        return None
+    missing = _missing_of(blender) or tuple(named)
+    return BlenderError(
+        f"Blender {blender.version} cannot start: the system lacks {', '.join(missing)}",
+        where=" ".join(blender.command),
+        remedy=f"Run: {install_line(missing)}",
+    )
 
-    The user's Blender settings play no part. Progress is passed on as it comes; when it raises (a cancel), the child
-    and its children are killed first. Raises what the task refused (InputError, UsageError), else BlenderError with
-    the last lines of Blender's own output.
+
+def named_by_loader(text: str) -> list[str]:
+    """The shared object the dynamic loader says it cannot open; it names only the first."""
+    return re.findall(r"([\w.+-]+\.so[\w.]*): cannot open shared object file", text)
+
+
+def not_found(listing: str) -> list[str]:
+    """The shared objects that ldd's listing has as not found, each once."""
+    return list(dict.fromkeys(re.findall(r"^\s*(\S+) => not found", listing, re.MULTILINE)))
+
+
+def install_line(missing: tuple[str, ...] | list[str]) -> str:
+    """The one line that brings them on Debian; what no package is known for is named after it."""
+    packages = sorted({PACKAGES[name] for name in missing if name in PACKAGES})
+    unknown = [name for name in missing if name not in PACKAGES]
+    line = f"apt-get install -y {' '.join(packages)}" if packages else ""
+    if unknown:
+        line += f"{' ; ' if line else ''}# and the packages that hold {' '.join(unknown)}"
+    return line
+
+
+def _missing_of(blender: Blender) -> tuple[str, ...]:
+    """All missing libraries at once, by ldd; () where there is no ldd."""
+    if (ldd := shutil.which("ldd")) is None:
+        return ()
+    target = blender.command[0] if blender.kind == "binary" else _bpy_library(blender.command)
+    if target is None:
+        return ()
+    done = subprocess.run([ldd, target], capture_output=True, text=True, timeout=60, check=False)
+    return tuple(not_found(done.stdout))
+
+
+def _bpy_library(python: tuple[str, ...]) -> str | None:
+    """The path of bpy's shared object, found without loading it."""
+    code = "import importlib.util as u; print(u.find_spec('bpy').origin)"
+    done = subprocess.run([*python, "-c", code], capture_output=True, text=True, timeout=60, check=False)
+    return done.stdout.strip() or None
+
+
+# ------------------------------------------------------------------------------------------------------ installing
+
+
+def install(progress: Progress | None = None) -> Blender:
+    """Makes the private environment and returns its Blender. Whole or not at all; one that is there is kept.
+
+    Raises BlenderError when no Python with a wheel is found, pip fails, or the module does not start.
     """
     progress = progress or Silent()
-    with tempfile.TemporaryDirectory(prefix="mcsl-blender-") as name:
-        folder = Path(name)
-        messages, log, order = folder / "messages", folder / "log", folder / "request.json"
-        messages.touch()
-        order.write_text(json.dumps({**request, "messages": str(messages), "paths": search_paths()}), encoding="utf-8")
-        if blender.kind == "binary":
-            command = [blender.command, "-b", "--factory-startup", "-P", str(script()), "--", str(order)]
-        else:
-            command = [blender.command, str(script()), str(order)]
-        environment = {**os.environ, "BLENDER_USER_RESOURCES": str(folder / "user"), "PYTHONDONTWRITEBYTECODE": "1"}
-        environment.pop("PYTHONPATH", None)  # ours holds packages for another Python
-        with open(log, "wb") as stream:
-            child = subprocess.Popen(
-                command,
-                stdin=subprocess.DEVNULL,
-                stdout=stream,
-                stderr=subprocess.STDOUT,
-                env=environment,
-                start_new_session=True,
+    target = home() / "blender-env"
+    if private_python().exists():
+        progress.note(f"{target} is there already; delete it to make it anew")
+        return find(str(private_python()))
+    python, number = _python_with_wheel()
+    home().mkdir(parents=True, exist_ok=True)
+    part = Path(tempfile.mkdtemp(prefix="blender-env.part-", dir=home()))
+    try:
+        progress.stage(f"making an environment with Python {number}")
+        _call([python, "-m", "venv", str(part)], progress.note)
+        progress.stage(f"installing {WHEELS[number]}")
+        inside = part / private_python().relative_to(target)
+        _call(
+            [str(inside), "-m", "pip", "install", "--disable-pip-version-check", WHEELS[number], *BESIDE],
+            lambda line: progress.note(line) if line.startswith(("Downloading", "Successfully")) else None,
+        )
+        progress.stage("starting it once")
+        diagnosis = diagnose(Blender("module", (str(inside),), "new", "just installed"))
+        if not diagnosis.starts:
+            raise BlenderError(
+                f"bpy is installed but does not start: {diagnosis.said}",
+                remedy=f"Run: {diagnosis.install}" if diagnosis.install else "See `mcsl blender`",
             )
-        try:
-            last = _listen(child, messages, progress)
-        finally:
-            _end(child)
-        if "result" in last:
-            return last["result"]
-        _raise(blender, last.get("error"), child.returncode, log.read_text("utf-8", "replace"))
+        part.replace(target)
+    except BaseException:
+        shutil.rmtree(part, ignore_errors=True)
+        raise
+    return find(str(private_python()))
 
 
-def _listen(child: subprocess.Popen[bytes], messages: Path, progress: Progress) -> dict[str, Any]:
-    """Passes messages on until the child ends; the last one is the answer."""
-    last: dict[str, Any] = {}
-    done, rest = None, b""
-    with open(messages, "rb") as stream:
-        while True:
-            ended = child.poll() is not None  # asked before reading: what it wrote last is then there
-            rest += stream.read()
-            *lines, rest = rest.split(b"\n")
-            for line in lines:
-                last = json.loads(line)
-                if "stage" in last:
-                    done = None
-                    progress.stage(last["stage"], last["total"], last["unit"])
-                elif "done" in last:
-                    done = last["done"]
-                    progress.advance(done)
-                elif "note" in last:
-                    progress.note(last["note"])
-            if ended:
-                return last
-            if done is not None and not lines:
-                progress.advance(done)  # nothing new, but the chance to stop
-            if isinstance(token := getattr(progress, "token", None), CancelToken):
-                token.check()
-            time.sleep(_POLL_S)
-
-
-def _end(child: subprocess.Popen[bytes]) -> None:
-    """The child and whatever it started are gone when this returns."""
-    if os.name == "nt":
-        child.kill()
-    elif child.poll() is None:
-        os.killpg(child.pid, signal.SIGKILL)
-    child.wait()
-
-
-def _raise(blender: Blender, error: dict[str, Any] | None, code: int, log: str) -> NoReturn:
-    tail = "\n".join(line for line in log.strip().splitlines()[-8:])
-    if error is not None:
-        kinds = {2: UsageError, 3: InputError}
-        kind = kinds.get(error.get("exit_code", 4), BlenderError)
-        what = error["what"]
-        if kind is BlenderError and tail:
-            what += f"\n{tail}\n"
-        raise kind(what, where=error.get("where", ""), remedy=error.get("remedy", ""))
-    from .blender_environment import explain_missing  # only now: it is the rarer half
-
-    if reason := explain_missing(blender, log):
-        raise reason
-    how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code} and no answer"
+def _python_with_wheel() -> tuple[str, str]:
+    """A Python that bpy has a wheel for: this one, else one on PATH that really runs (a pyenv shim may not)."""
+    own = f"{sys.version_info.major}.{sys.version_info.minor}"
+    if own in WHEELS:
+        return sys.executable, own
+    for number in WHEELS:
+        if (path := shutil.which(f"python{number}")) is None:
+            continue
+        check = f"import sys, venv, ensurepip; assert sys.version_info[:2] == {tuple(map(int, number.split('.')))}"
+        if subprocess.run([path, "-c", check], capture_output=True, timeout=60, check=False).returncode == 0:
+            return path, number
     raise BlenderError(
-        f"Blender {blender.version} {how}" + (f"; its last words:\n{tail}\n" if tail else ""),
-        where=blender.command,
-        remedy="Run again with fewer things open; if it comes back, another Blender may do (`mcsl blender`)",
+        f"bpy has wheels for Python {' and '.join(WHEELS)} only; this is {own} and neither is on PATH",
+        remedy=f"Install one of them (on Debian: apt-get install -y python{next(iter(WHEELS))}-venv), "
+        "or name a Blender by --blender or MCSL_BLENDER",
     )
+
+
+def _call(command: list[str], report: Callable[[str], None]) -> None:
+    """Runs a command, handing its lines on as they come; BlenderError with its last lines when it fails."""
+    environment = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "PYTHONHOME")}
+    lines: list[str] = []
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, text=True, env=environment
+    ) as child:
+        assert child.stdout is not None
+        try:
+            for line in child.stdout:
+                lines.append(line.rstrip())
+                report(lines[-1].strip())
+        except BaseException:
+            child.kill()
+            raise
+    if child.returncode != 0:
+        tail = "\n".join(lines[-6:])
+        raise BlenderError(
+            f"{' '.join(command[1:4])} failed:\n{tail}\n", where=command[0], remedy="See the lines above"
+        )

@@ -52,7 +52,7 @@ def picture(number: int, ground: int = 60, size: tuple[int, int] = SIZE) -> np.n
 
 def number_of(luma: np.ndarray) -> int:
     """The number in the blocks of a luma picture of any size; AssertionError when a block is neither dark nor light."""
-    height, width = luma.shape
+    height = luma.shape[0]
     scale = height / SIZE[1]
     value = 0
     for bit in range(BITS):
