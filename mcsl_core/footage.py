@@ -11,6 +11,7 @@ that is late by two frames at most is muxers' rounding, and the first picture st
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
 from fractions import Fraction
 from pathlib import Path
 
@@ -25,6 +26,30 @@ from .sampling import Sample, sample_cameras
 from .sound import sound_blocks
 from .timing import FrameRange
 from .video import probe, to_planes
+
+
+class Player:
+    """One camera's full-size pictures by programme frame: cheap going forward, exact anywhere. For one thread."""
+
+    def __init__(self, footage: Footage, camera: str, head: Playhead) -> None:
+        self._footage, self._camera, self._head = footage, camera, head
+        self._frame: object = None
+        self._planes: Planes | None = None
+
+    def at(self, frame: int) -> Planes | None:
+        """The picture at programme frame ``frame``; the same object as long as the same picture is shown."""
+        if self._footage.has_gap(self._camera, frame):
+            return None
+        shown = self._head.at(self._footage.camera_time(self._camera, frame))
+        if shown is None:
+            return None
+        if shown.frame is not self._frame:
+            self._frame, self._planes = shown.frame, self._footage.full_picture(self._camera, shown)
+        return self._planes
+
+    def close(self) -> None:
+        self._head.close()
+        self._frame = self._planes = None
 
 
 class Footage:
@@ -66,24 +91,18 @@ class Footage:
     def has_gap(self, camera: str, frame: int) -> bool:
         return any(frame in gap for gap in self.camera(camera).gaps)
 
+    def player(self, camera: str) -> Player:
+        """Full-size pictures of ``camera`` one at a time; close it when done."""
+        return Player(self, camera, Playhead(self.parts(camera), threads=self._threads))
+
     def planes(self, camera: str, piece: FrameRange) -> Iterator[Planes | None]:
         """Full-size pictures, (W, H) of the camera, one for each programme frame of ``piece``; None without picture.
 
         Consecutive frames that show one picture are one object. Treat as read-only: they are the decoder's memory.
         """
-        head = Playhead(self.parts(camera), threads=self._threads)
-        try:
-            shown, planes = None, None
+        with closing(self.player(camera)) as player:
             for frame in piece:
-                found = None if self.has_gap(camera, frame) else head.at(self.camera_time(camera, frame))
-                if found is None:
-                    yield None
-                    continue
-                if found.frame is not shown:
-                    shown, planes = found.frame, self._picture(camera, found)
-                yield planes
-        finally:
-            head.close()
+                yield player.at(frame)
 
     def pictures(
         self, camera: str, frames: Sequence[int], *, height: int | None = None
@@ -105,12 +124,13 @@ class Footage:
         finally:
             head.close()
 
-    def _picture(self, camera: str, shown: Shown) -> Planes:
+    def full_picture(self, camera: str, shown: Shown) -> Planes:
+        """The (W, H) planes of a decoded frame of ``camera``, as large as the EDL says."""
         return resize_planes(to_planes(shown.frame, shown.facts), self.camera(camera).size)
 
     def picture(self, camera: str, shown: Shown, height: int | None) -> U8:
         """The BGR picture of a decoded frame of ``camera``, reduced to ``height`` rows."""
-        return planes_to_bgr(self._picture(camera, shown), height=height)
+        return planes_to_bgr(self.full_picture(camera, shown), height=height)
 
     def samples(
         self,
