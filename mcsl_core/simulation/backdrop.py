@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .ground import Ground
+from .layers import Picture, layer_of
 from .rig import View
 from .staging import Play
 from .surface import HALF_MM
@@ -25,7 +26,9 @@ class _Still:
 
     pose: int
     step: int
-    picture: NDArray
+    whole: NDArray
+    """As a layer."""
+    picture: Picture
     window: tuple[slice, slice] | None
     mask: NDArray
     map_x: NDArray
@@ -33,16 +36,16 @@ class _Still:
 
 
 class Backdrop:
-    """Pictures of the ground for one camera, in colours that ``prepared`` makes; quick when time rises."""
+    """Pictures of the ground for one camera, in its own colours; quick when time rises."""
 
-    def __init__(self, play: Play, ground: Ground, camera: int, prepared) -> None:
-        self._play, self._ground, self._camera, self._prepared = play, ground, camera, prepared
-        self._base = prepared(ground.base)
+    def __init__(self, play: Play, ground: Ground, camera: int, gains: NDArray) -> None:
+        self._play, self._ground, self._camera, self._gains = play, ground, camera, gains
+        self._base = layer_of(ground.base, gains)
         self._states: dict[int, NDArray] = {}
         self._still: _Still | None = None
         self._moving: tuple[int, NDArray] | None = None
 
-    def at(self, t: float) -> tuple[NDArray, View]:
+    def at(self, t: float) -> tuple[Picture, View]:
         """The picture at programme time ``t``, not to be drawn upon, and where the camera is."""
         pose, still = self._play.path.pose(t)
         view = self._play.rig.view(self._camera, pose)
@@ -50,7 +53,7 @@ class Backdrop:
         if still is None:
             if self._moving is None or self._moving[0] != step:
                 self._moving = (step, self._texture(step))
-            return self._blurred(self._moving[1], t), view
+            return Picture.of(self._blurred(self._moving[1], t)), view
         self._moving = None
         if self._still is None or self._still.pose != still:
             self._still = self._fresh(still, step, view)
@@ -70,7 +73,7 @@ class Backdrop:
         if stage not in self._states:
             while len(self._states) > 2:
                 self._states.pop(min(self._states))
-            self._states[stage] = self._prepared(self._ground.state(stage, self._camera))
+            self._states[stage] = layer_of(self._ground.state(stage, self._camera), self._gains)
         return self._states[stage]
 
     def _field_at(self, step: int) -> NDArray:
@@ -107,16 +110,16 @@ class Backdrop:
             mask, map_x_cut, map_y_cut = mask[window], map_x[window] - cut[1].start, map_y[window] - cut[0].start
         else:
             map_x_cut, map_y_cut = map_x, map_y
-        picture = _look(self._texture(step), map_x, map_y)
-        return _Still(pose, step, picture, window, mask.astype(np.uint8), map_x_cut, map_y_cut)
+        whole = _look(self._texture(step), map_x, map_y)
+        return _Still(pose, step, whole, Picture.of(whole), window, mask.astype(np.uint8), map_x_cut, map_y_cut)
 
     def _refreshed(self, still: _Still, step: int) -> _Still:
         """The same picture with the field as it has become."""
         if still.window is None:
             return attrs.evolve(still, step=step)
-        picture = still.picture.copy()
-        cv2.copyTo(_look(self._field_at(step), still.map_x, still.map_y), still.mask, picture[still.window])
-        return attrs.evolve(still, step=step, picture=picture)
+        whole = still.whole.copy()
+        cv2.copyTo(_look(self._field_at(step), still.map_x, still.map_y), still.mask, whole[still.window])
+        return attrs.evolve(still, step=step, whole=whole, picture=Picture.of(whole))
 
 
 def _look(texture: NDArray, map_x: NDArray, map_y: NDArray) -> NDArray:
