@@ -198,5 +198,5 @@ def feathered(mask: U8, width_px: float) -> U8:
     if width_px <= 0:
         return np.where(mask != 0, 255, 0).astype(np.uint8)
     distance = cv2.distanceTransform(np.where(mask != 0, 255, 0).astype(np.uint8), cv2.DIST_L2, 5)
-    ramp = np.clip(distance / width_px, 0, 1)
+    ramp = np.clip((distance - 1) / width_px, 0, 1)  # the outermost pixel is half outside: none of it
     return np.round(255 * ramp * ramp * (3 - 2 * ramp)).astype(np.uint8)

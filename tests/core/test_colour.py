@@ -1,0 +1,90 @@
+"""Colour matching against cameras whose difference is known."""
+
+import cv2
+import numpy as np
+import pytest
+
+from mcsl_core.colour import IDENTITY, apply, as_matrix, match
+from mcsl_core.images import bgr_to_planes, planes_to_bgr, psnr
+
+
+def scene(seed=0, size=(320, 240)):
+    rng = np.random.default_rng(seed)
+    coarse = rng.integers(30, 200, (size[1] // 16, size[0] // 16, 3), dtype=np.uint8)
+    return cv2.resize(coarse, size, interpolation=cv2.INTER_CUBIC)
+
+
+def seen_by(picture, gains, offsets):
+    return np.clip(np.round(picture * np.array(gains) + offsets), 0, 255).astype(np.uint8)
+
+
+EVERYWHERE = np.full((240, 320), 255, np.uint8)
+
+
+@pytest.mark.parametrize(
+    ("gains", "offsets"),
+    [((1, 1, 1), (0, 0, 0)), ((0.8, 1.0, 1.2), (6, -4, 10)), ((1.3, 1.1, 0.75), (-10, 0, 12))],
+)
+def test_a_known_difference_is_undone(gains, offsets):
+    truth = scene()
+    other = seen_by(truth, gains, offsets)
+    found = match(other, truth, EVERYWHERE)
+    matched = planes_to_bgr(apply(bgr_to_planes(other), found))
+    clear = ((other > 8) & (other < 247)).all(axis=2).astype(np.uint8)
+    assert psnr(matched, truth, clear) > 37  # 4:2:0 alone leaves about 40 on this texture
+    expected = as_matrix(1 / np.array(gains), -np.array(offsets) / np.array(gains))
+    assert np.abs(np.array(found.matrix)[:, :3] - np.array(expected.matrix)[:, :3]).max() < 0.06
+
+
+def test_noise_parallax_and_a_third_of_foreign_things_do_not_throw_it():
+    truth = scene()
+    rng = np.random.default_rng(1)
+    other = seen_by(np.roll(truth, 2, axis=1), (0.8, 0.95, 1.15), (4, 0, 8))
+    other = np.clip(other + rng.normal(0, 4, other.shape), 0, 255).astype(np.uint8)
+    other[:, :100] = (60, 160, 60)  # a glove over a third of the picture
+    found = np.array(match(other, truth, EVERYWHERE).matrix)
+    expected = np.array(
+        as_matrix(1 / np.array((0.8, 0.95, 1.15)), -np.array((4, 0, 8)) / np.array((0.8, 0.95, 1.15))).matrix
+    )
+    codes = np.array([[60, 128, 128, 1], [180, 128, 128, 1], [110, 110, 150, 1]], float).T
+    assert np.abs(found @ codes - expected @ codes).max() < 5
+
+
+def test_only_the_mask_counts_and_too_little_is_the_identity():
+    truth = scene()
+    other = seen_by(truth, (0.8, 0.8, 0.8), (0, 0, 0))
+    other[:120] = 255 - other[:120]
+    mask = EVERYWHERE.copy()
+    mask[:125] = 0
+    found = np.array(match(other, truth, mask).matrix)
+    assert found[0, 0] == pytest.approx(1.25, abs=0.04)
+    assert match(other, truth, np.zeros_like(mask)) == IDENTITY
+    with pytest.raises(ValueError, match="size"):
+        match(other, truth[:100], mask)
+
+
+def test_gains_stay_sane():
+    truth = scene()
+    found = np.array(match(seen_by(truth, (0.1, 0.1, 0.1), (20, 20, 20)), truth, EVERYWHERE).matrix)
+    assert found[0, 0] <= 2.0 + 1e-6
+
+
+def test_flat_pictures_are_matched_by_offset():
+    flat, target = np.full((240, 320, 3), 100, np.uint8), np.full((240, 320, 3), 120, np.uint8)
+    matched = planes_to_bgr(apply(bgr_to_planes(flat), match(flat, target, EVERYWHERE)))
+    assert np.abs(matched.astype(int) - 120).max() <= 2
+
+
+def test_apply_is_the_matrix_at_every_pixel():
+    """Against the matrix on full-resolution codes, on a picture without fine chroma."""
+    planes = bgr_to_planes(scene(3))
+    colour = as_matrix(np.array([1.3, 0.9, 0.8]), np.array([-5.0, 10.0, 3.0]))
+    found = apply(planes, colour)
+    small = cv2.resize(planes.y, planes.u.shape[::-1], interpolation=cv2.INTER_AREA).astype(float)
+    matrix = np.array(colour.matrix)
+    stacked = np.stack([small, planes.u, planes.v, np.ones_like(small)])
+    expected = np.einsum("ij,jhw->ihw", matrix, stacked)
+    assert np.abs(found.u - expected[1].clip(0, 255)).max() <= 1
+    assert np.abs(found.v - expected[2].clip(0, 255)).max() <= 1
+    found_small = cv2.resize(found.y, planes.u.shape[::-1], interpolation=cv2.INTER_AREA)
+    assert np.abs(found_small - expected[0].clip(0, 255)).mean() < 1
