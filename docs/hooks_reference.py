@@ -4,98 +4,148 @@ from __future__ import annotations
 
 import ast
 import re
+from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parent.parent / "mcsl_core"
 MARKER = "<!-- Below this line: written by docs/generate.py from mcsl_core/hookspecs.py. -->"
 
 
+class Described:
+    """A class and the module it stands in: the names in its annotations mean what they mean there."""
+
+    def __init__(self, node: ast.ClassDef, module: str) -> None:
+        self.node, self.module = node, module
+        self.key = (module, node.name)
+        self.is_protocol = any(ast.unparse(base) == "Protocol" for base in node.bases)
+
+    def functions(self) -> list[ast.FunctionDef]:
+        """Its public methods and properties, overloads left out."""
+        methods = [n for n in self.node.body if isinstance(n, ast.FunctionDef) and not n.name.startswith("_")]
+        return [m for m in methods if not any(ast.unparse(d) == "overload" for d in m.decorator_list)]
+
+    def fields(self) -> Iterator[str]:
+        for node in self.node.body:
+            if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.target.id[0] != "_":
+                yield f"{node.target.id}: {ast.unparse(node.annotation)}"
+
+    def find(self, name: str) -> Described | None:
+        """The class that ``name`` means in this one's module; None for what is not a class of mcsl_core."""
+        return find(name, self.module)
+
+
+@cache
 def module_ast(name: str) -> ast.Module:
     return ast.parse((PACKAGE / f"{name}.py").read_text("utf-8"))
 
 
-def imported_from(module: ast.Module) -> dict[str, str]:
-    """name -> module of mcsl_core it is imported from."""
-    return {
-        alias.name: node.module
-        for node in module.body
-        if isinstance(node, ast.ImportFrom) and node.level == 1 and node.module
-        for alias in node.names
-    }
+def find(name: str, module: str) -> Described | None:
+    for node in module_ast(module).body:
+        if isinstance(node, ast.ClassDef) and node.name == name:
+            return Described(node, module)
+        comes_from = node.module if isinstance(node, ast.ImportFrom) and node.level == 1 else None
+        if comes_from and any((alias.asname or alias.name) == name for alias in node.names):
+            return find(name, comes_from)
+    return None
 
 
-def class_node(module: ast.Module, name: str) -> ast.ClassDef | None:
-    return next((n for n in module.body if isinstance(n, ast.ClassDef) and n.name == name), None)
+def names_in(node: ast.AST | None) -> list[str]:
+    return sorted({n.id for n in ast.walk(node) if isinstance(n, ast.Name)}) if node else []
 
 
-def names_in(node: ast.AST) -> set[str]:
-    return {n.id for n in ast.walk(node) if isinstance(n, ast.Name)}
-
-
-def functions(cls: ast.ClassDef) -> list[ast.FunctionDef]:
-    return [n for n in cls.body if isinstance(n, ast.FunctionDef)]
+def is_property(function: ast.FunctionDef) -> bool:
+    return any(ast.unparse(d) in ("property", "cached_property") for d in function.decorator_list)
 
 
 def signature(function: ast.FunctionDef) -> str:
+    """As one would write it, without self."""
+    given = function.args
+
+    def one(argument: ast.arg, default: ast.expr | None) -> str:
+        kind = f": {ast.unparse(argument.annotation)}" if argument.annotation else ""
+        return f"{argument.arg}{kind}" + (f" = {ast.unparse(default)}" if default else "")
+
+    places = [*given.posonlyargs, *given.args]
+    defaults = [None] * (len(places) - len(given.defaults)) + list(given.defaults)
+    parts = [one(a, d) for a, d in zip(places, defaults, strict=True) if a.arg not in ("self", "cls")]
+    parts += [f"*{given.vararg.arg}"] if given.vararg else ["*"] if given.kwonlyargs else []
+    parts += [one(a, d) for a, d in zip(given.kwonlyargs, given.kw_defaults, strict=True)]
     returns = f" -> {ast.unparse(function.returns)}" if function.returns else ""
-    return f"{function.name}({ast.unparse(function.args)}){returns}"
+    return f"{function.name}({', '.join(parts)}){returns}"
 
 
 def document(node: ast.ClassDef | ast.FunctionDef) -> str:
     text = ast.get_docstring(node)
     if not text:
-        raise ValueError(f"{node.name} has no docstring, and this page is made of them")
+        raise ValueError(f"{node.name} has no docstring, and docs/hooks.md is made of them")
     return text
 
 
-def hooks_reference() -> str:
-    """Each hook, the protocol of what it registers, and the values that are handed over; read from the source text."""
-    specs = module_ast("hookspecs")
-    origin = imported_from(specs)
-    hooks = class_node(specs, "Hooks")
-    assert hooks is not None, "mcsl_core/hookspecs.py has no class Hooks"
+class Reference:
+    """The text, put together: each hook, the protocol of what it registers, and what those are handed."""
 
-    def find(name: str) -> ast.ClassDef | None:
-        return class_node(specs, name) or (class_node(module_ast(origin[name]), name) if name in origin else None)
+    def __init__(self) -> None:
+        self.parts = ["## Reference\n"]
+        self.described: set[tuple[str, str]] = set()
+        self.handed: dict[tuple[str, str], Described] = {}
 
-    parts = ["## Reference\n"]
-    handed: set[str] = set()
-    described: set[str] = set()
+    def hook(self, hooks: Described, function: ast.FunctionDef) -> None:
+        self.parts.append(f"### {function.name}\n\n{document(function)}\n")
+        for name in names_in(function.returns):
+            if (protocol := hooks.find(name)) is not None:
+                self.protocol(protocol)
 
-    def describe(protocol: ast.ClassDef) -> None:
-        described.add(protocol.name)
-        parts.append(f"#### {protocol.name}\n\n{document(protocol)}\n")
-        helpers = []
-        for method in functions(protocol):
-            if any(ast.unparse(d) == "property" for d in method.decorator_list):
-                kind = ast.unparse(method.returns) if method.returns else "str"
-                text = ast.get_docstring(method) or "the name it is chosen by"
-                parts.append(f"- `{method.name}: {kind}`: {text}")
+    def protocol(self, protocol: Described) -> None:
+        """What a plugin's object must have; protocols of what its methods return follow."""
+        if protocol.key in self.described:
+            return
+        self.described.add(protocol.key)
+        self.parts.append(f"#### {protocol.node.name}\n\n{document(protocol.node)}\n")
+        made: list[Described] = []
+        for method in protocol.functions():
+            if is_property(method):
+                text = ast.get_docstring(method) or ("the name it is chosen by" if method.name == "name" else "")
+                kind = ast.unparse(method.returns) if method.returns else ""
+                self.parts.append(f"- `{method.name}: {kind}`: {text}")
                 continue
-            parts.append(f"\n```python\n{signature(method)}\n```\n\n{document(method)}\n")
-            for name in sorted(names_in(method.args) | (names_in(method.returns) if method.returns else set())):
-                node = find(name)
-                if node is not None and any(ast.unparse(b) == "Protocol" for b in node.bases):
-                    helpers.append(node)
-                elif node is not None:
-                    handed.add(name)
-        for node in helpers:
-            if node.name not in described:
-                describe(node)
+            self.parts.append(f"\n```python\n{signature(method)}\n```\n\n{document(method)}\n")
+            self.hand_over(protocol, names_in(method.args))
+            for name in names_in(method.returns):
+                if (value := protocol.find(name)) is not None and value.is_protocol:
+                    made.append(value)
+                else:
+                    self.hand_over(protocol, [name])
+        for value in made:
+            self.protocol(value)
 
-    for hook in functions(hooks):
-        parts.append(f"### {hook.name}\n\n{document(hook)}\n")
-        for name in sorted(names_in(hook.returns) if hook.returns else set()):
-            node = find(name)
-            if node is not None and name not in described:
-                describe(node)
-    parts.append("### Values that are handed over\n\n| name | where | what |\n|---|---|---|")
-    for name in sorted(handed):
-        node = find(name)
-        assert node is not None
-        first = " ".join(document(node).split("\n\n")[0].split())
-        parts.append(f"| `{name}` | `mcsl_core.{origin.get(name, 'hookspecs')}` | {first} |")
-    return re.sub(r"\n{3,}", "\n\n", "\n".join(parts)) + "\n"
+    def hand_over(self, user: Described, names: list[str]) -> None:
+        for name in names:
+            if (value := user.find(name)) is not None:
+                self.handed[value.key] = value
+
+    def values(self) -> None:
+        self.parts.append("### Values that are handed over\n")
+        for value in sorted(self.handed.values(), key=lambda v: (v.node.name, v.module)):
+            self.parts.append(f"#### {value.node.name} (`mcsl_core.{value.module}`)\n\n{document(value.node)}\n")
+            lines = list(value.fields())
+            for function in value.functions():
+                if is_property(function):
+                    lines.append(f"{function.name}: {ast.unparse(function.returns) if function.returns else 'object'}")
+                else:
+                    lines.append(signature(function))
+            if lines:
+                self.parts.append("```python\n" + "\n".join(lines) + "\n```\n")
+
+
+def hooks_reference() -> str:
+    hooks = find("Hooks", "hookspecs")
+    assert hooks is not None, "mcsl_core/hookspecs.py has no class Hooks"
+    reference = Reference()
+    for function in hooks.functions():
+        reference.hook(hooks, function)
+    reference.values()
+    return re.sub(r"\n{3,}", "\n\n", "\n".join(reference.parts)).rstrip() + "\n"
 
 
 def hooks_page(path: Path) -> str:

@@ -1,0 +1,347 @@
+"""dev.py, run as a newcomer runs it: a real process, a real environment, a real pip; only the project is a tiny one.
+
+The tiny project builds itself (its own build backend) and depends on nothing, so no package is fetched from anywhere.
+Programs that would change the system (apt-get, sudo) are stand-ins that write down how they were called.
+"""
+
+from __future__ import annotations
+
+import ast
+import os
+import shutil
+import stat
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+pytestmark = [
+    pytest.mark.slow,  # an environment takes seconds to make
+    pytest.mark.skipif(os.name == "nt", reason="the stand-ins are shell scripts"),
+]
+
+BACKEND = '''
+"""The least that pip asks of a build backend: an editable wheel that points at the project's folder."""
+import os, zipfile
+
+def build_editable(folder, config_settings=None, metadata_directory=None):
+    name = "mcsl-0.0-py3-none-any.whl"
+    info = "mcsl-0.0.dist-info"
+    with zipfile.ZipFile(os.path.join(folder, name), "w") as wheel:
+        wheel.writestr("mcsl.pth", os.getcwd() + "\\n")
+        facts = ["Metadata-Version: 2.1", "Name: mcsl", "Version: 0.0", "Provides-Extra: test", ""]
+        wheel.writestr(info + "/METADATA", "\\n".join(facts))
+        facts = ["Wheel-Version: 1.0", "Generator: own", "Root-Is-Purelib: true", "Tag: py3-none-any", ""]
+        wheel.writestr(info + "/WHEEL", "\\n".join(facts))
+        wheel.writestr(info + "/RECORD", "")
+    return name
+
+build_wheel = build_editable
+'''
+PYPROJECT = """
+[build-system]
+requires = []
+build-backend = "backend"
+backend-path = ["."]
+[project]
+name = "mcsl"
+version = "0.0"
+"""
+MODULES = {
+    "errors": "class BlenderError(Exception): pass\n",
+    "blender": (
+        "import os\nfrom .errors import BlenderError\n"
+        "class Found: kind = 'module'\n"
+        "def find():\n"
+        "    if not os.path.exists(os.environ['MCSL_HOME']): raise BlenderError\n"
+        "    return Found\n"
+    ),
+    "blender_environment": "PACKAGES = {'libmcsl-surely-missing.so.1': 'libmcsl1'}\n",
+    "cli": (
+        "import os, sys\n"
+        "def main():\n"
+        "    print('mcsl', *sys.argv[1:], 'in', os.getcwd(), flush=True)\n"
+        "    if sys.argv[1:] == ['blender', 'install']: os.mkdir(os.environ['MCSL_HOME'])\n"
+        "    return 7 if 'fail' in sys.argv else 0\n"
+    ),
+    "__init__": "",
+}
+
+
+class Project:
+    """A tiny project with our dev.py, and a machine whose system programs are stand-ins."""
+
+    def __init__(self, folder: Path) -> None:
+        self.root = folder / "project with space"
+        self.log = folder / "system.log"
+        self.bin = folder / "bin"
+        self.venv = folder / "venv"
+        self.home = folder / "home"
+        (self.root / "mcsl_core").mkdir(parents=True)
+        self.bin.mkdir()
+        shutil.copy(ROOT / "dev.py", self.root)
+        (self.root / "backend.py").write_text(BACKEND)
+        (self.root / "pyproject.toml").write_text(PYPROJECT)
+        for name, text in MODULES.items():
+            (self.root / "mcsl_core" / f"{name}.py").write_text(text)
+        self.stand_in("apt-get")
+
+    def stand_in(self, name: str, code: str = "exit 0") -> None:
+        """A program first on PATH that writes its call into the log and then does ``code``."""
+        path = self.bin / name
+        path.write_text(f'#!/bin/sh\necho "{name} $*" >> "{self.log}"\n{code}\n')
+        path.chmod(path.stat().st_mode | stat.S_IXUSR)
+
+    @property
+    def system_calls(self) -> list[str]:
+        return self.log.read_text().splitlines() if self.log.exists() else []
+
+    def dev(self, *arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
+        environment = {
+            "PATH": f"{self.bin}{os.pathsep}/usr/bin{os.pathsep}/bin",
+            "HOME": str(self.root.parent),
+            "MCSL_VENV": str(self.venv),
+            "MCSL_HOME": str(self.home),
+            **variables,
+        }
+        command = [sys.executable, str(self.root / "dev.py"), *arguments]
+        return subprocess.run(
+            command, env=environment, cwd=self.root.parent, capture_output=True, text=True, stdin=subprocess.DEVNULL
+        )
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Project:
+    return Project(tmp_path)
+
+
+def only_line(text: str) -> str:
+    lines = text.splitlines()
+    assert len(lines) == 1, text
+    return lines[0]
+
+
+def test_set_up_once_then_quick_then_again_when_the_project_changes(project):
+    first = project.dev("mcsl", "plugins", "--x")
+    assert first.returncode == 0, first.stdout + first.stderr
+    assert f"mcsl plugins --x in {project.root.parent}\n" in first.stdout, "run where the user stands"
+    assert "installing the Python packages" in first.stdout
+
+    second = project.dev("mcsl", "plugins")
+    assert only_line(second.stdout) == f"mcsl plugins in {project.root.parent}"
+
+    with (project.root / "pyproject.toml").open("a") as stream:
+        stream.write("# changed\n")
+    third = project.dev("mcsl", "plugins")
+    assert "installing the Python packages" in third.stdout
+    assert "making an environment" not in third.stdout
+
+    (project.venv / "bin" / "python").unlink()
+    fourth = project.dev("mcsl", "plugins")
+    assert "making an environment" in fourth.stdout
+    assert fourth.returncode == 0, fourth.stderr
+    assert project.system_calls == []
+
+
+def test_the_demo_brings_blender_and_its_libraries_once(project):
+    project.stand_in("sudo", 'shift; exec "$@"')
+    first = project.dev("demo", "out")
+    assert first.returncode == 0, first.stdout + first.stderr
+    order = [line for line in first.stdout.splitlines() if line.startswith("mcsl ")]
+    assert [line.split(" in ")[0] for line in order] == ["mcsl blender install", "mcsl demo out"]
+    calls = [c for c in project.system_calls if c.startswith("apt-get")]
+    assert calls == ["apt-get -q update", "apt-get -q install -y --no-install-recommends libmcsl1"]
+    second = project.dev("demo")
+    assert "blender install" not in second.stdout
+
+
+def test_libraries_that_cannot_be_brought_are_named_and_do_not_stop_the_rest(project):
+    project.stand_in("apt-get", "echo 'E: no network'; exit 100")
+    project.stand_in("sudo", 'shift; exec "$@"')
+    done = project.dev("setup")
+    assert done.returncode == 0
+    assert "apt-get update failed: E: no network; run as root: apt-get install -y libmcsl1" in done.stdout
+    assert done.stdout.splitlines()[-1] == f"dev.py: ready: {project.venv / 'bin'}"
+
+
+def test_a_failing_command_hands_its_code_on(project):
+    assert project.dev("mcsl", "fail").returncode == 7
+
+
+def test_a_blender_that_cannot_be_brought_is_one_line(project):
+    (project.root / "mcsl_core" / "cli.py").write_text("def main(): return 4\n")
+    done = project.dev("setup")
+    assert done.returncode == 1
+    assert only_line(done.stderr) == "dev.py: Blender could not be brought; `python3 dev.py mcsl blender` says more"
+
+
+def test_packages_that_cannot_be_installed_are_one_line_and_a_log(project):
+    (project.root / "backend.py").write_text("raise ImportError('broken on purpose')\n")
+    done = project.dev("mcsl")
+    assert done.returncode == 1
+    line = only_line(done.stderr)
+    assert line.startswith("dev.py: the Python packages could not be installed: ")
+    log = project.venv / "mcsl-setup.log"
+    assert str(log) in line
+    assert "broken on purpose" in log.read_text()
+    (project.root / "backend.py").write_text(BACKEND)
+    assert project.dev("mcsl").returncode == 0, "mended, it goes on"
+
+
+def test_a_folder_with_other_things_in_it_is_never_touched(project):
+    project.venv.mkdir()
+    (project.venv / "thesis.txt").write_text("mine")
+    done = project.dev("mcsl")
+    assert (done.returncode, (project.venv / "thesis.txt").read_text()) == (1, "mine")
+    assert "is there and is no Python environment; name another folder by MCSL_VENV" in only_line(done.stderr)
+
+
+@pytest.fixture
+def without_venv(project: Project) -> Project:
+    """As on a fresh Debian: Python is there, its venv module's other half is not."""
+    broken = project.root.parent / "broken"
+    broken.mkdir()
+    (broken / "ensurepip.py").write_text("raise ImportError('No module named ensurepip')\n")
+    variables = {"PYTHONPATH": str(broken)}
+    plain = project.dev
+    project.dev = lambda *arguments, **more: plain(*arguments, **{**variables, **more})
+    return project
+
+
+PACKAGE = f"python{sys.version_info.major}.{sys.version_info.minor}-venv"
+
+
+def test_a_missing_venv_module_is_brought(without_venv):
+    broken = without_venv.root.parent / "broken" / "ensurepip.py"
+    without_venv.stand_in("apt-get", f'case "$*" in *install*) rm "{broken}";; esac')
+    without_venv.stand_in("sudo", 'shift; exec "$@"')
+    done = without_venv.dev("mcsl")
+    assert done.returncode == 0, done.stderr
+    assert f"apt-get -q install -y --no-install-recommends {PACKAGE}" in without_venv.system_calls
+
+
+def test_a_missing_venv_module_that_cannot_be_brought_is_one_line(without_venv):
+    without_venv.stand_in("apt-get", "echo 'Reading lists'; echo 'E: Unable to locate package'; exit 100")
+    without_venv.stand_in("sudo", 'shift; exec "$@"')
+    done = without_venv.dev("mcsl")
+    assert done.returncode == 1
+    assert only_line(done.stderr) == (
+        "dev.py: Python's venv module is missing; apt-get update failed: E: Unable to locate package; "
+        f"run as root: apt-get install -y {PACKAGE}"
+    )
+
+
+@pytest.mark.skipif(os.name == "nt" or os.geteuid() != 0, reason="becoming nobody takes root")
+def test_without_root_and_sudo_the_line_to_run_is_told(without_venv):
+    without_venv.stand_in("sudo", "exit 1")
+    as_nobody = (
+        "import os, runpy, sys; os.setgid(65534); os.setuid(65534); sys.argv = sys.argv[1:]; "
+        "runpy.run_path(sys.argv[0], run_name='__main__')"
+    )
+    # Where nobody may read: a copy outside of root's own folders.
+    with tempfile.TemporaryDirectory() as name:
+        os.chmod(name, 0o755)
+        shutil.copy(ROOT / "dev.py", name)
+        shutil.copytree(without_venv.root.parent / "broken", Path(name) / "broken")
+        shutil.copytree(without_venv.bin, Path(name) / "bin")
+        (Path(name) / "pyproject.toml").write_text(PYPROJECT)
+        system = shutil.which("python3", path="/usr/bin:/bin")
+        if system is None:
+            pytest.skip("root's own Python is not for others, and the system has none")
+        done = subprocess.run(
+            [system, "-c", as_nobody, f"{name}/dev.py", "mcsl"],
+            env={"PATH": f"{name}/bin:/usr/bin:/bin", "PYTHONPATH": f"{name}/broken", "MCSL_VENV": f"{name}/venv"},
+            capture_output=True,
+            text=True,
+        )
+    assert done.returncode == 1
+    assert only_line(done.stderr).startswith("dev.py: Python's venv module is missing; run as root: apt-get install -y")
+
+
+def test_wrong_calls_are_one_line_and_code_2(project):
+    for arguments in ((), ("tset",), ("setup", "now"), ("lint", "--fix")):
+        done = project.dev(*arguments)
+        assert done.returncode == 2
+        assert "one of demo, test, fast, addon, lint, docs, setup, mcsl" in only_line(done.stderr)
+    assert not project.venv.exists()
+    assert "python3 dev.py test" in project.dev("--help").stdout
+
+
+def test_an_old_python_can_read_the_script_and_says_what_it_needs(project):
+    source = (ROOT / "dev.py").read_text("utf-8")
+    ast.parse(source, feature_version=(3, 7))
+    # An old Python as the script sees it: the same interpreter that claims to be 3.9, and nothing newer on PATH.
+    old = (
+        "import runpy, sys; sys.version_info = (3, 9, 2); sys.argv = sys.argv[1:]; "
+        "runpy.run_path(sys.argv[0], run_name='__main__')"
+    )
+    empty = project.root.parent / "empty"
+    empty.mkdir()
+    environment = {"PATH": str(empty), "MCSL_VENV": str(project.venv)}
+    command = [sys.executable, "-c", old, str(project.root / "dev.py"), "mcsl"]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert done.returncode == 1
+    assert only_line(done.stderr) == (
+        "dev.py: Python 3.11 or newer is needed; this is 3.9, "
+        "and none of python3.11, python3.12, python3.13, python3.14 is on PATH"
+    )
+    # A shim that does not run is passed over, a newer one is taken.
+    (empty / "python3.11").write_text("#!/bin/sh\nexit 127\n")
+    (empty / "python3.11").chmod(0o755)
+    (empty / "python3.12").symlink_to(sys.executable)
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert f"making an environment with {empty / 'python3.12'}" in done.stdout
+
+
+# ------------------------------------------------------------------------------------------------ the checks
+
+
+def test_every_check_runs_and_those_that_fail_are_named_at_the_end(project):
+    """Stand-ins for the tools, as modules of the tiny project: what is tested is that no failure gets lost."""
+    for name, code in (("ruff", 0), ("pyright", 1), ("pytest", 5)):
+        (project.root / f"{name}.py").write_text(f"import sys; print('{name}', *sys.argv[1:]); sys.exit({code})\n")
+    (project.root / "docs").mkdir()
+    (project.root / "docs" / "generate.py").write_text("import sys; print('generate', *sys.argv[1:])\n")
+    plugin = project.root / "plugins" / "one"
+    (plugin / "tests").mkdir(parents=True)
+    (plugin / "pyproject.toml").write_text(PYPROJECT.replace('"mcsl"', '"one"'))
+    (plugin / "backend.py").write_text(BACKEND.replace("mcsl", "one"))
+    project.home.mkdir()
+    done = project.dev("test", "-k", "edl")
+    assert done.returncode == 1
+    assert only_line(done.stderr) == "dev.py: failed: pyright, pytest"
+    said = [line for line in done.stdout.splitlines() if not line.startswith("dev.py")]
+    assert said == [
+        "ruff check .",
+        "ruff format --check --quiet .",
+        f"pyright --pythonpath {project.venv / 'bin' / 'python'}",
+        "generate --check",
+        f"pytest tests {plugin / 'tests'} -k edl",
+    ]
+
+
+def test_ci_uses_fresh_environments_and_takes_them_away(project, tmp_path):
+    (project.root / ".ci").mkdir()
+    shutil.copy(ROOT / ".ci" / "run", project.root / ".ci" / "run")
+    (project.root / "dev.py").write_text(
+        "import os, sys\n"
+        "for name in ('MCSL_VENV', 'MCSL_HOME'):\n"
+        "    path = os.environ[name]; assert not os.path.exists(path); os.makedirs(path); print(path)\n"
+        "print(os.getcwd(), *sys.argv[1:])\n"
+        "sys.exit(3)\n"
+    )
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    environment = {**os.environ, "TMPDIR": str(scratch), "MCSL_VENV": "/elsewhere", "CI": "true"}
+    done = subprocess.run(
+        ["bash", str(project.root / ".ci" / "run")], env=environment, cwd="/", capture_output=True, text=True
+    )
+    assert done.returncode == 3
+    venv, home, last = done.stdout.splitlines()
+    assert venv.startswith(str(scratch))
+    assert home.startswith(str(scratch))
+    assert last == f"{project.root} test"
+    assert list(scratch.iterdir()) == []
