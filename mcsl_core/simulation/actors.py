@@ -150,9 +150,10 @@ def head(scenario: Scenario, person: int, pitch: float) -> Sprite:
 def shoulders(scenario: Scenario, person: int, pitch: float) -> Sprite:
     """A gown from above, looking along +x; the neck is at the origin, the back leads away from the table."""
     rng = scenario.stream("shoulders", person)
+    blue, green, red = GOWNS[scenario.drape]
     clay = Clay(-330, -270, 120, 270, pitch)
     gown = Material(GOWNS[scenario.drape], rough_mm=9, rough_length_mm=70, mottle=0.05, weave=0.03)
-    tie = Material(tuple(0.8 * c for c in GOWNS[scenario.drape]), rough_mm=1.0, rough_length_mm=9)
+    tie = Material((0.8 * blue, 0.8 * green, 0.8 * red), rough_mm=1.0, rough_length_mm=9)
     clay.rod([(-200, 0, -60), (-330, 0, -140)], [150, 160], gown, 40)
     clay.rod([(-60, -150, -40), (-70, 0, 0), (-60, 150, -40)], [66, 92, 66], gown, 40)
     for side in (-1, 1):

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from .paint import clouds, mix, smoothstep, streaks, warp_by, waves
+from .paint import bgr, clouds, mix, smoothstep, streaks, warp_by, waves
 from .scenario import Scenario
 from .surface import Site
 
@@ -100,5 +100,5 @@ def paint_drapes(scenario: Scenario, site: Site, x: NDArray, y: NDArray, pitch: 
     rng = scenario.stream("stains")
     away = -site.opening(x, y)
     stains = smoothstep(1.6, 3.0, clouds(rng, shape, 26 / pitch, 5, 0.6) + 1.6 * smoothstep(55, 5, away) - 0.7)
-    colour = mix(colour, base * np.float32([0.12, 0.12, 0.35]) + np.float32([0.03, 0.02, 0.24]), 0.85 * stains)
+    colour = mix(colour, base * bgr(0.12, 0.12, 0.35) + bgr(0.03, 0.02, 0.24), 0.85 * stains)
     return colour, bump

@@ -52,7 +52,8 @@ class Ground:
         colour, bump = paint_drapes(scenario, surface.site, x, y, pitch)
         reach = round(FIELD_HALF_MM / pitch)
         middle = round(HALF_MM / pitch)
-        cut = (slice(middle - reach, middle + reach + 1),) * 2
+        span = slice(middle - reach, middle + reach + 1)
+        cut = (span, span)
         tissue = paint_tissue(scenario, surface.site, x[cut], y[cut], pitch)
         bump[cut] = bump[cut] * (1 - tissue.opening) + tissue.bump_mm * tissue.opening
         normal = normals(coarse + bump, pitch)

@@ -1,7 +1,7 @@
 """Pictures in planes, and the transparent layers that are laid on them.
 
-A layer is (h, w, 4) uint8: Y, U, V (BT.709, limited range) and opacity, the first three multiplied by the opacity, their
-offsets of 16 and 128 included. So a layer lies over a picture as picture * (1 - opacity) + layer in every plane alike.
+A layer is (h, w, 4) uint8: Y, U, V (BT.709, limited range) and opacity. The first three are multiplied by the opacity,
+their offsets of 16 and 128 included, so a layer lies over a picture as picture * (1 - opacity) + layer in each plane.
 """
 
 from __future__ import annotations

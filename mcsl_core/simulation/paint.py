@@ -7,6 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 
+def bgr(*values: float) -> NDArray:
+    """A colour, or how much of each of its parts."""
+    return np.array(values, np.float32)
+
+
 def smoothstep(low: float, high: float, x: NDArray) -> NDArray:
     """0 where x is ``low``, 1 where it is ``high``, smooth between; float32 for float32."""
     low, high = float(low), float(high)
@@ -26,9 +31,9 @@ def mix(a: NDArray, b: NDArray | tuple, way: NDArray | float) -> NDArray:
     return out.astype(np.float32, copy=False)
 
 
-def waves(rng: np.random.Generator, shape: tuple[int, int], length_px: float) -> NDArray:
+def waves(rng: np.random.Generator, shape: tuple[int, ...], length_px: float) -> NDArray:
     """Smooth noise of mean 0 and deviation about 1 whose features are ``length_px`` long."""
-    height, width = shape
+    height, width = shape[:2]
     if length_px <= 1.5:
         return rng.standard_normal(shape, np.float32)
     coarse = (int(width / length_px) + 4, int(height / length_px) + 4)
@@ -38,10 +43,10 @@ def waves(rng: np.random.Generator, shape: tuple[int, int], length_px: float) ->
 
 
 def streaks(
-    rng: np.random.Generator, shape: tuple[int, int], along_px: float, across_px: float, angle_deg: float
+    rng: np.random.Generator, shape: tuple[int, ...], along_px: float, across_px: float, angle_deg: float
 ) -> NDArray:
     """Smooth noise like ``waves``, but drawn out in one direction."""
-    height, width = shape
+    height, width = shape[:2]
     reach = np.hypot(height, width)
     cells_x, cells_y = int(reach / along_px) + 5, int(reach / across_px) + 5
     grid = rng.standard_normal((cells_y, cells_x), np.float32)
@@ -52,7 +57,7 @@ def streaks(
     return cv2.warpAffine(grid, scale, (width, height), flags=cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT) * 1.35
 
 
-def clouds(rng: np.random.Generator, shape: tuple[int, int], length_px: float, octaves: int, fall: float = 0.5):
+def clouds(rng: np.random.Generator, shape: tuple[int, ...], length_px: float, octaves: int, fall: float = 0.5):
     """Several sizes of noise on top of each other, each half as long and ``fall`` times as strong as the last."""
     total = np.zeros(shape, np.float32)
     for n in range(octaves):
@@ -72,9 +77,9 @@ def warp_by(picture: NDArray, dx: NDArray, dy: NDArray) -> NDArray:
     )
 
 
-def cells(rng: np.random.Generator, shape: tuple[int, int], length_px: float) -> tuple[NDArray, NDArray]:
+def cells(rng: np.random.Generator, shape: tuple[int, ...], length_px: float) -> tuple[NDArray, NDArray]:
     """Lobules: (0 at the border .. 1 in the middle of each cell, a random 0..1 value of each cell)."""
-    height, width = shape
+    height, width = shape[:2]
     step = max(length_px, 3.0)
     gy, gx = np.mgrid[0 : height + step : step, 0 : width + step : step]
     px = (gx + rng.uniform(-0.45, 0.45, gx.shape) * step).ravel()
@@ -83,11 +88,11 @@ def cells(rng: np.random.Generator, shape: tuple[int, int], length_px: float) ->
     inside = (px >= 0) & (px < width) & (py >= 0) & (py < height)
     seeds[py[inside].astype(int), px[inside].astype(int)] = 0
     distance, label = cv2.distanceTransformWithLabels(seeds, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
-    value = rng.random(int(label.max()) + 1).astype(np.float32)[label]
+    value = rng.random(int(label.max()) + 1).astype(np.float32)[np.asarray(label, np.int32)]
     dome = np.clip(1 - (distance / (0.75 * step)) ** 2, 0, 1)
     edge = np.minimum(cv2.absdiff(value, cv2.dilate(value, np.ones((3, 3), np.uint8))) * 50, 1)
-    dome = cv2.GaussianBlur(dome * (1 - 0.5 * edge), (0, 0), max(step * 0.06, 0.6))
-    return dome.astype(np.float32), value
+    dome = (dome * (1 - 0.5 * edge)).astype(np.float32)
+    return cv2.GaussianBlur(dome, (0, 0), max(step * 0.06, 0.6)), value
 
 
 def gradient(height: NDArray, pitch: float) -> tuple[NDArray, NDArray]:

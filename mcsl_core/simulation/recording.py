@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import threading
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from fractions import Fraction
@@ -66,7 +65,7 @@ class Filming:
         """Per camera, (own frames, 2) visible fractions: all things counted, and without hands."""
         cameras = range(len(self._counts))
         finished = False
-        with ThreadPoolExecutor(min(len(cameras), max(2, os.cpu_count() or 1))) as pool:
+        with ThreadPoolExecutor(len(cameras)) as pool:
             jobs = [pool.submit(self._camera, camera) for camera in cameras]
             try:
                 pending = set(jobs)
@@ -96,7 +95,8 @@ class Filming:
             self._files[camera],
             size=scenario.size,
             rate=rate,
-            encoding=Encoding(options={"preset": "superfast", "crf": str(scenario.crf)}),
+            # Cameras place keyframes by the clock, not where a head comes in.
+            encoding=Encoding(options={"preset": "superfast", "crf": str(scenario.crf), "sc_threshold": "0"}),
             keyframe_interval=max(1, round(Fraction(scenario.keyframe_s) * rate)),
             audio_rate=RATE if ear else None,
         ) as writer:

@@ -111,7 +111,7 @@ class CameraPictures:
         dx, dy = (k * 29) % 64, (k * 47 + k // 64 * 13) % 64
         luma = cv2.add(luma, self._brighter[dy : dy + height, dx : dx + width])
         luma = cv2.subtract(luma, self._darker[dy : dy + height, dx : dx + width])
-        return Planes(luma, picture.u, picture.v)
+        return Picture(luma, picture.u, picture.v).planes()
 
 
 class FieldCount:

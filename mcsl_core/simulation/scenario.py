@@ -44,14 +44,25 @@ def _movements(value: int | tuple) -> int | tuple[tuple[float, float], ...]:
     return tuple((float(start), float(length)) for start, length in value)
 
 
+def _size(value: tuple[int, int]) -> tuple[int, int]:
+    return value[0], value[1]
+
+
+def _rate(value: Fraction | int | str) -> Fraction:
+    rate = Fraction(value)
+    if not 1 <= rate <= 240:
+        raise ValueError(f"rate must lie between 1 and 240 frames a second, got {value}")
+    return rate
+
+
 @attrs.frozen(kw_only=True)
 class Scenario:
     """A simulated operation: what is filmed, for how long, and by which cameras."""
 
     seed: int = attrs.field(default=0, validator=_within(0, 2**32 - 1))
     duration_s: float = attrs.field(default=60.0, converter=float, validator=_within(0.5, 24 * 3600))
-    size: tuple[int, int] = attrs.field(default=(960, 540), converter=tuple, validator=_even_size)
-    rate: Fraction = attrs.field(default=Fraction(30000, 1001), converter=Fraction, validator=_within(1, 240))
+    size: tuple[int, int] = attrs.field(default=(960, 540), converter=_size, validator=_even_size)
+    rate: Fraction = attrs.field(default=Fraction(30000, 1001), converter=_rate)
     cameras: int = attrs.field(default=5, validator=_within(1, 9))
     movements: int | tuple[tuple[float, float], ...] = attrs.field(default=1, converter=_movements)
     """How many lamp movements (placed by chance), or each one's (start_s, length_s) in programme time."""

@@ -9,9 +9,9 @@ from __future__ import annotations
 import attrs
 import cv2
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from .paint import clouds, lambert, mix, normals, shine, smoothstep, waves
+from .paint import bgr, clouds, lambert, mix, normals, shine, smoothstep, waves
 
 EMPTY = -1000.0
 
@@ -78,11 +78,11 @@ class Clay:
         y = np.arange(rows, dtype=np.float32) * self.pitch + self.top
         return np.meshgrid(x, y)
 
-    def rod(self, points: list, radii: float | list, material: Material, blend_mm: float = 0.0) -> None:
+    def rod(self, points: ArrayLike, radii: ArrayLike, material: Material, blend_mm: float = 0.0) -> None:
         """A chain of round bars through points (x, y, z); ``blend_mm`` melts them into what is there already."""
-        points = np.asarray(points, np.float64)
-        radii = np.broadcast_to(np.asarray(radii, np.float64), len(points))
-        for a, b, ra, rb in zip(points[:-1], points[1:], radii[:-1], radii[1:], strict=True):
+        line = np.asarray(points, np.float64)
+        thick = np.broadcast_to(np.asarray(radii, np.float64), len(line))
+        for a, b, ra, rb in zip(line[:-1], line[1:], thick[:-1], thick[1:], strict=True):
             self._bar(a, b, ra, rb, material, blend_mm)
 
     def ball(self, centre: tuple, radii: tuple, material: Material, blend_mm: float = 0.0, turn: float = 0) -> None:
@@ -168,7 +168,7 @@ class Clay:
             tone = 1 + stuff.mottle * clouds(rng, shape, 22 / pitch, 3)
             if stuff.weave:
                 tone = tone * (1 + stuff.weave * cv2.blur(rng.standard_normal(shape, np.float32), (5, 2)) * 2)
-            albedo[at] = (np.float32(stuff.colour) * tone[..., None])[at]
+            albedo[at] = (bgr(*stuff.colour) * tone[..., None])[at]
             gloss[at], hard[at], mirror[at] = stuff.gloss, stuff.hardness, stuff.mirror
             if stuff.rough_mm:
                 length = stuff.rough_length_mm / pitch

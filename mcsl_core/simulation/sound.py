@@ -7,6 +7,7 @@ its own filter, with its own noise and the few milliseconds that sound takes to 
 from __future__ import annotations
 
 import threading
+from bisect import bisect_left
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,14 +52,13 @@ class Room:
 
     def _make(self, n: int) -> NDArray:
         total = np.zeros(RATE, np.float64)
-        for t, kind, seed in self._events:
-            if t + _LONGEST_S < n or t >= n + 1:
-                continue
+        first = bisect_left(self._events, (n - _LONGEST_S, "", 0))
+        for t, kind, seed in self._events[first : bisect_left(self._events, (n + 1.0, "", 0))]:
             wave = self._event(kind, seed)
-            first = round((t - n) * RATE)
-            a, b = max(first, 0), min(first + len(wave), RATE)
+            at = round((t - n) * RATE)
+            a, b = max(at, 0), min(at + len(wave), RATE)
             if a < b:
-                total[a:b] += wave[a - first : b - first]
+                total[a:b] += wave[a - at : b - at]
         return total.astype(np.float32)
 
     def _event(self, kind: str, seed: int) -> NDArray:
@@ -81,8 +81,9 @@ class Room:
         phase = np.cumsum(pitch) / RATE
         source = 1.6 * (phase % 1 < 0.22) - 0.35 + 0.5 * rng.standard_normal(len(t))
         low, high = rng.uniform(260, 420), rng.uniform(1700, 3200)
-        voice = sosfilt(butter(2, [low, high], "band", fs=RATE, output="sos"), source)
-        beats = np.interp(t, np.arange(0, t[-1] + 0.3, 0.11), rng.random(len(np.arange(0, t[-1] + 0.3, 0.11))) ** 1.5)
+        voice = np.asarray(sosfilt(butter(2, [low, high], "band", fs=RATE, output="sos"), source))
+        syllables = np.arange(0, t[-1] + 0.3, 0.11)
+        beats = np.interp(t, syllables, rng.random(len(syllables)) ** 1.5)
         edge = np.clip(np.minimum(t, t[-1] - t) / 0.06, 0, 1)
         return rng.uniform(0.05, 0.16) * voice * beats * edge
 

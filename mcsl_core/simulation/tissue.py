@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from .paint import cells, clouds, mix, polyline, smoothstep, warp_by, waves
+from .paint import bgr, cells, clouds, mix, polyline, smoothstep, warp_by, waves
 from .scenario import Scenario
 from .surface import Site
 
@@ -71,11 +71,11 @@ def _skin(scenario, site, x, y, u, v, depth, pitch):
     shape = x.shape
     base = np.array(SKINS[scenario.skin], np.float32) * (1 + rng.normal(0, 0.03, 3))
     mottle = clouds(rng, shape, 28 / pitch, 4)
-    colour = base * (1 + np.float32([0.05, 0.045, 0.02]) * mottle[..., None]) * np.ones((*shape, 1), np.float32)
+    colour = base * (1 + bgr(0.05, 0.045, 0.02) * mottle[..., None]) * np.ones((*shape, 1), np.float32)
     flush = smoothstep(-0.4, 1.8, waves(rng, shape, 24 / pitch)) * 0.5 + 0.6 * np.exp(-(((depth + 0.1) / 0.35) ** 2))
-    colour = mix(colour, base * np.float32([0.68, 0.68, 1.0]), np.clip(0.6 * flush, 0, 1))
+    colour = mix(colour, base * bgr(0.68, 0.68, 1.0), np.clip(0.6 * flush, 0, 1))
     iodine = smoothstep(-1.2, 1.6, clouds(rng, shape, 50 / pitch, 4)) * rng.uniform(0.35, 0.85)
-    colour = colour * (1 - iodine[..., None] * np.float32([0.62, 0.34, 0.08]))
+    colour = colour * (1 - iodine[..., None] * bgr(0.62, 0.34, 0.08))
     pores = waves(rng, shape, 1.1 / pitch) + 0.7 * waves(rng, shape, 2.3 / pitch)
     colour *= (1 + 0.022 * pores)[..., None]
     lines = np.clip(1 - np.abs(waves(rng, shape, 6 / pitch)) * 2.2, 0, 1) ** 2
@@ -83,7 +83,7 @@ def _skin(scenario, site, x, y, u, v, depth, pitch):
 
     vein = np.clip(1 - np.abs(clouds(rng, shape, 55 / pitch, 3)) * 9, 0, 1) ** 1.5
     vein = cv2.GaussianBlur(vein * smoothstep(-0.2, 0.9, waves(rng, shape, 50 / pitch)), (0, 0), 0.8 / pitch)
-    colour = mix(colour, base * np.float32([0.95, 0.74, 0.66]), 0.4 * vein)
+    colour = mix(colour, base * bgr(0.95, 0.74, 0.66), 0.4 * vein)
     bump += 0.5 * vein
 
     spots = np.zeros(shape, np.uint8)
@@ -93,7 +93,7 @@ def _skin(scenario, site, x, y, u, v, depth, pitch):
         at = rng.uniform(-110, 110, 2) / pitch + half
         radius = rng.uniform(0.4, 1.3) / pitch
         cv2.circle(spots, tuple(int(c * 16) for c in at), int(radius * 16), int(rng.integers(70, 220)), -1, 16, 4)
-    colour = mix(colour, base * np.float32([0.35, 0.42, 0.55]), spots / np.float32(255))
+    colour = mix(colour, base * bgr(0.35, 0.42, 0.55), spots / np.float32(255))
     lie = rng.uniform(0, 6.28)
     for _ in range(int(rng.integers(60, 420))):
         at, turn = rng.uniform(-110, 110, 2), lie + rng.normal(0, 0.45)
@@ -102,7 +102,7 @@ def _skin(scenario, site, x, y, u, v, depth, pitch):
         bend = turn + curl * way
         line = at + np.stack([np.cos(bend), np.sin(bend)], 1) * way[:, None]
         polyline(hair, line / pitch + half, 0.25 / pitch, rng.uniform(0.15, 0.45))
-    colour = mix(colour, base * np.float32([0.22, 0.22, 0.28]), hair / np.float32(255))
+    colour = mix(colour, base * bgr(0.22, 0.22, 0.28), hair / np.float32(255))
 
     pen = np.zeros(shape, np.uint8)
     turn = np.deg2rad(site.axis_deg)
@@ -114,7 +114,7 @@ def _skin(scenario, site, x, y, u, v, depth, pitch):
             tick[:, 1] += site.bend * tick[:, 0] ** 2
             polyline(pen, tick @ turned / pitch + half, 1.1 / pitch, 0.8)
     worn = (pen / np.float32(255)) * smoothstep(-1.4, 0.6, waves(rng, shape, 3 / pitch))
-    colour = mix(colour, base * np.float32([0.62, 0.26, 0.36]), 0.7 * worn)
+    colour = mix(colour, base * bgr(0.62, 0.26, 0.36), 0.7 * worn)
     return colour, bump
 
 
@@ -124,7 +124,7 @@ def _inside(scenario, u, v, depth, site, pitch):
     shape = u.shape
     lobule, value = cells(rng, shape, 4.2 / pitch)
     small, _ = cells(rng, shape, 2.1 / pitch)
-    fat = np.float32([0.30, 0.62, 0.88]) * (0.80 + 0.16 * value + 0.14 * lobule)[..., None]
+    fat = bgr(0.30, 0.62, 0.88) * (0.80 + 0.16 * value + 0.14 * lobule)[..., None]
     fat = mix(fat, (0.20, 0.27, 0.72), 0.5 * smoothstep(0.2, 1.6, clouds(rng, shape, 9 / pitch, 3)))
     fat_bump = 1.1 * lobule + 0.4 * small
 
@@ -135,11 +135,11 @@ def _inside(scenario, u, v, depth, site, pitch):
     half = (side - 1) / 2
     turn = cv2.getRotationMatrix2D((half, half), -site.axis_deg, 1.0)
     strands = warp_by(cv2.warpAffine(strands, turn, (side, side), borderMode=cv2.BORDER_REFLECT), dx, dy)
-    muscle = np.float32([0.13, 0.12, 0.55]) * (1 + 0.16 * strands + 0.1 * waves(rng, shape, 7 / pitch))[..., None]
+    muscle = bgr(0.13, 0.12, 0.55) * (1 + 0.16 * strands + 0.1 * waves(rng, shape, 7 / pitch))[..., None]
     sinew = smoothstep(0.9, 2.0, strands + 0.8 * waves(rng, shape, 8 / pitch))
     muscle = mix(muscle, (0.50, 0.55, 0.80), 0.55 * sinew)
 
-    organ_hue = np.float32([[0.36, 0.40, 0.80], [0.16, 0.16, 0.50], [0.30, 0.45, 0.82]])[rng.integers(0, 3)]
+    organ_hue = (bgr(0.36, 0.40, 0.80), bgr(0.16, 0.16, 0.50), bgr(0.30, 0.45, 0.82))[int(rng.integers(0, 3))]
     net = np.clip(1 - np.abs(clouds(rng, shape, 13 / pitch, 3)) * 7, 0, 1) ** 1.5
     organ = organ_hue * (1 + 0.07 * clouds(rng, shape, 12 / pitch, 4))[..., None]
     organ = mix(organ, (0.08, 0.07, 0.45), 0.65 * net)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .solids import STEEL, Clay, Material
 
 
-def placed(points: list, turn: float = 0.0, at: tuple[float, float, float] = (0, 0, 0)) -> np.ndarray:
+def placed(points: ArrayLike, turn: float = 0.0, at: tuple[float, float, float] = (0, 0, 0)) -> np.ndarray:
     """Points turned in the plane (radians) and moved."""
-    points = np.asarray(points, float)
     c, s = np.cos(turn), np.sin(turn)
-    turned = points @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
+    turned = np.asarray(points, float) @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
     return turned + np.asarray(at, float)
 
 
