@@ -19,7 +19,7 @@ from math import ceil
 
 from attrs import frozen
 
-from mcsl_core.edl import Camera, Edl, Pose, offset_at, resolve
+from mcsl_core.edl import IDENTITY, Camera, Edl, Pose, offset_at, resolve
 from mcsl_core.timing import FrameRange, merge_equal
 
 from .similarity import Transform, closest, fitted, multiply
@@ -208,12 +208,17 @@ def _without(start: int, stop: int, gaps: Iterable[FrameRange]) -> list[tuple[in
 
 def camera_transform(edl: Edl, camera: Camera, pose: Pose) -> Transform:
     """The strip transform nearest to the camera's way into the programme; a weak camera's picture stands whole."""
-    homography = pose.homographies.get(camera.name)
-    if homography is None:
+    if not _tied(edl, camera.name, pose):
         return fitted(camera.size, edl.size)
+    homography = pose.homographies.get(camera.name, IDENTITY)
     dx, dy = offset_at(edl.centering, (pose.range.start + pose.range.stop) / 2)  # centering moves the field to the
     field = complex((edl.size[0] - 1) / 2 - dx, (edl.size[1] - 1) / 2 - dy)  # middle, so it stands that far off it
     return closest(multiply(pose.anchor, homography), camera.size, edl.size, field)
+
+
+def _tied(edl: Edl, camera: str, pose: Pose) -> bool:
+    """Whether it is known where the camera's picture lies in the programme; the reference camera's always is."""
+    return camera in pose.homographies or camera == edl.reference
 
 
 def _programme(edl: Edl, channels: dict[str, int]) -> tuple[ProgrammeStrip, ...]:
@@ -237,10 +242,20 @@ def _programme(edl: Edl, channels: dict[str, int]) -> tuple[ProgrammeStrip, ...]
 
 
 def _offset_keys(edl: Edl) -> tuple[OffsetKey, ...]:
-    """The EDL's keys where centering is on, zero where it is off; where that changes, it changes between two frames."""
+    """The EDL's keys where centering is on, zero where it is off; where that changes, it changes between two frames.
+
+    Off as well where a weak camera is shown: its picture stands whole, and the field's place in it is not known.
+    """
     if not edl.centering:
         return ()
-    states = merge_equal([(stretch, decision.centering) for stretch, decision in resolve(edl)])
+    states = merge_equal(
+        [
+            (piece, decision.centering and _tied(edl, decision.camera, pose))
+            for stretch, decision in resolve(edl)
+            for pose in edl.poses
+            if (piece := stretch.intersection(pose.range))
+        ]
+    )
 
     def key(frame: int, hold: bool = False) -> OffsetKey:
         dx, dy = offset_at(edl.centering, frame)

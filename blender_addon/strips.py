@@ -155,8 +155,10 @@ def _decided(scene: Any, plan: StripPlan, base: Path) -> list[str]:
     _channel(scene, plan.programme_channel, "Programme")
     _channel(scene, plan.centering_channel, "Centering")
     _channel(scene, plan.conformed_channel, "Conformed")
-    for shot in plan.programme:
-        strip = new_effect(scene, shot.camera, "MULTICAM", plan.programme_channel, shot.range.start, shot.range.stop)
+    for number, shot in enumerate(plan.programme, 1):  # names of their own: Blender's search for a free .001 is slow
+        strip = new_effect(
+            scene, f"shot {number}", "MULTICAM", plan.programme_channel, shot.range.start, shot.range.stop
+        )
         strip.multicam_source = shot.source
         strip[ROLE], strip["mcsl_id"], strip["mcsl_automatic"] = "programme", shot.id, shot.automatic
         if shot.overridden:

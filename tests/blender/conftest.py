@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import os
+import subprocess
+import textwrap
 from fractions import Fraction
 from pathlib import Path
 
@@ -135,3 +138,52 @@ def project(tmp_path, footage) -> Path:
         os.link(file, folder / file.name)
     edls.save(an_edl(), folder / "edl.json")
     return folder
+
+
+def in_blender(blender: Blender, blend: Path, code: str, *, save: bool = True):
+    """Runs ``code`` on an open .blend as an editor's script would, saves, and returns what it put into ``out``.
+
+    ``scene``, ``strips`` (by name lookups), ``bpy`` and ``at(channel, frame)`` (a programme frame) are at hand.
+    """
+    answer, script = blend.parent / ".answer.json", blend.parent / ".script.py"
+    script.write_text(
+        f"""
+import bpy, json, os, sys, traceback
+code = 1
+try:
+    bpy.ops.wm.open_mainfile(filepath={str(blend)!r})
+    scene = next(s for s in bpy.data.scenes if s.get("mcsl_edl"))
+    strips = scene.sequence_editor.strips
+    def span(s):
+        if hasattr(s, "left_handle"): return [int(s.left_handle) - 1, int(s.right_handle) - 1]
+        return [int(s.frame_final_start) - 1, int(s.frame_final_end) - 1]
+    def at(channel, frame):
+        return next(s for s in strips if s.channel == channel and span(s)[0] <= frame < span(s)[1])
+    def cut(s, start, stop):
+        if hasattr(s, "left_handle"): s.left_handle, s.right_handle = start + 1, stop + 1
+        else: s.frame_final_start, s.frame_final_end = start + 1, stop + 1
+    out = None
+{textwrap.indent(textwrap.dedent(code), "    ")}
+    with open({str(answer)!r}, "w") as stream: json.dump(out, stream)
+    if {save}: bpy.ops.wm.save_mainfile()
+    code = 0
+except BaseException:
+    traceback.print_exc()
+sys.stderr.flush()
+os._exit(code)
+""",
+        encoding="utf-8",
+    )
+    start = ["-b", "--factory-startup", "-P"] if blender.kind == "binary" else ["-W", "ignore"]
+    done = subprocess.run([*blender.command, *start, str(script)], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-3000:]
+    return json.loads(answer.read_text())
+
+
+@pytest.fixture
+def built(project, blender) -> Path:
+    """The project's timeline."""
+    from mcsl_core.timeline import build
+
+    build(project / "edl.json", project / "edit.blend", blender=blender)
+    return project / "edit.blend"

@@ -1,0 +1,127 @@
+"""EDL -> .blend, and the editor's decisions in a .blend -> the EDL it was built from. Blender works in a child."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+import attrs
+
+from . import edl as edls
+from . import presets
+from .blender import Blender
+from .blender_child import run
+from .conform import default_folder
+from .conform import plan as conform_plan
+from .edl import Edl
+from .errors import InputError, UsageError
+from .presets import Preset
+from .progress import Progress, Silent
+
+
+def build(
+    edl_path: Path,
+    blend_path: Path,
+    *,
+    blender: Blender,
+    preset: str | Path | Preset = "h264",
+    conformed: Path | None = None,
+    progress: Progress | None = None,
+) -> dict[str, Any]:
+    """Builds the timeline of an EDL; the .blend is replaced whole or not at all.
+
+    conformed: folder of conformed media; None takes the one beside the EDL. Those of its files that belong to the EDL
+    as it is are put in place, the rest of the programme shows Blender's preview. Returns {"blend", "strips",
+    "frames", "conformed"}. Raises InputError for a wrong EDL or missing media, BlenderError when Blender fails.
+    """
+    edl = edls.load(edl_path)
+    _check_blend_name(blend_path)
+    folder = conformed if conformed is not None else default_folder(edl_path)
+    if conformed is not None and not folder.is_dir():
+        raise InputError("is not a folder", where=str(folder), remedy="Make it with `mcsl conform`")
+    pieces, sound = in_place(edl, edl_path.parent, folder)
+    request = timeline_request(edl_path, blend_path, pieces, sound)
+    kind = preset if isinstance(preset, Preset) else presets.load(preset)
+    request |= {"task": "timeline", "preset": kind.for_blender(), "output": f"{blend_path.stem}.{kind.container}"}
+    blend_path.parent.mkdir(parents=True, exist_ok=True)
+    return {**run(blender, request, progress), "conformed": len(pieces)}
+
+
+def pull(blend_path: Path, edl_out: Path | None = None, *, blender: Blender, progress: Progress | None = None) -> Edl:
+    """Reads the editor's decisions into the EDL that the .blend names, or into a copy of it at ``edl_out``.
+
+    Nothing but the overrides changes; where nothing was decided anew, the file is left as it is, to the byte. Raises
+    InputError naming strip and frame of what cannot be read; nothing is written then.
+    """
+    progress = progress or Silent()
+    _check_blend_name(blend_path)
+    progress.stage("reading the timeline")
+    found = run(blender, {"task": "read", "blend": str(blend_path.resolve())}, progress)
+    edl_path = Path(found["edl"])
+    edl = edls.load(edl_path)
+    target = edl_path if edl_out is None else edl_out
+    if found["changed"]:
+        value = edls.to_json(edl)
+        edl = edls.from_json({**value, "overrides": found["overrides"]}, where=str(blend_path))
+    if target.resolve() == edl_path.resolve():
+        if found["changed"]:
+            edls.save(edl, target)
+        return edl
+    moved = rebased(edl, edl_path.parent, target.parent)
+    if moved == edl and not found["changed"]:
+        edls.write_atomic(target, edl_path.read_bytes())
+    else:
+        edls.save(moved, target)
+    return moved
+
+
+def rebased(edl: Edl, old: Path, new: Path) -> Edl:
+    """``edl`` with its relative paths, which counted from ``old``, counting from ``new``."""
+    old, new = old.resolve(), new.resolve()
+    if old == new:
+        return edl
+
+    def moved(path: str) -> str:
+        if PurePosixPath(path).is_absolute() or Path(path).is_absolute():
+            return path
+        try:
+            return Path(os.path.relpath(old / path, new)).as_posix()
+        except ValueError:  # another drive: there is no relative way
+            return (old / path).as_posix()
+
+    cameras = tuple(
+        attrs.evolve(camera, media=tuple(attrs.evolve(media, path=moved(media.path)) for media in camera.media))
+        for camera in edl.cameras
+    )
+    return attrs.evolve(edl, cameras=cameras, scores=None if edl.scores is None else moved(edl.scores))
+
+
+def timeline_request(
+    edl_path: Path, blend_path: Path, pieces: list[dict[str, Any]], sound: str | None
+) -> dict[str, Any]:
+    """What the tasks `timeline` and `refresh` share; paths absolute."""
+    return {
+        "edl": str(edl_path.resolve()),
+        "blend": str(blend_path.resolve()),
+        "conformed": pieces,
+        "sound": sound,
+    }
+
+
+def in_place(edl: Edl, base: Path, folder: Path) -> tuple[list[dict[str, Any]], str | None]:
+    """The conformed files in ``folder`` that belong to ``edl`` as it is: their ranges and paths, and the sound's."""
+    if not folder.is_dir():
+        return [], None
+    folder = folder.resolve()
+    pieces = [
+        {"range": [chunk.range.start, chunk.range.stop], "path": str(folder / chunk.file)}
+        for chunk in conform_plan(edl, base)
+        if (folder / chunk.file).is_file()
+    ]
+    return pieces, None
+
+
+def _check_blend_name(path: Path) -> None:
+    if path.suffix != ".blend":
+        raise UsageError("a timeline's name ends in .blend", where=str(path), remedy="Name it so, such as edit.blend")
