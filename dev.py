@@ -32,8 +32,7 @@ NAMES = ("python3.11", "python3.12", "python3.13", "python3.14")
 # Asked in the environment: is there a Blender, and which Debian packages would bpy still need?
 ASK_BLENDER = """
 import ctypes, json, sys
-from mcsl_core.blender import find
-from mcsl_core.blender_environment import PACKAGES
+from mcsl_core.blender import PACKAGES, find
 from mcsl_core.errors import BlenderError
 try:
     kind = find().kind

@@ -179,3 +179,21 @@ def edls(draw: DrawFn, max_frames: int = 300) -> Edl:
             )
         ),
     )
+
+
+@st.composite
+def decided_edls(draw: DrawFn) -> Edl:
+    """EDLs that differ in what is decided only: shots, overrides and look. Quicker to draw than `edls`."""
+    frames = draw(st.integers(1, 120))
+    known = ("cam1", "cam2", "cam3")
+    return Edl(
+        rate=Fraction(25),
+        size=(320, 180),
+        frames=frames,
+        reference="cam1",
+        cameras=tuple(Camera(n, (Media(f"{n}.mp4", frames),), (320, 180), Fraction(25)) for n in known),
+        poses=(Pose(FrameRange(0, frames), dict.fromkeys(known, IDENTITY)),),
+        shots=tuple(Shot(r, draw(st.sampled_from(known))) for r in draw(tilings(frames))),
+        overrides=tuple(draw(st.lists(overrides(frames, known), max_size=6))),
+        look=Look(*draw(st.tuples(st.booleans(), st.booleans(), st.booleans()))),
+    )

@@ -7,7 +7,9 @@ Programs that would change the system (apt-get, sudo) are stand-ins that write d
 from __future__ import annotations
 
 import ast
+import json
 import os
+import runpy
 import shutil
 import stat
 import subprocess
@@ -54,12 +56,12 @@ MODULES = {
     "errors": "class BlenderError(Exception): pass\n",
     "blender": (
         "import os\nfrom .errors import BlenderError\n"
+        "PACKAGES = {'libmcsl-surely-missing.so.1': 'libmcsl1'}\n"
         "class Found: kind = 'module'\n"
         "def find():\n"
         "    if not os.path.exists(os.environ['MCSL_HOME']): raise BlenderError\n"
         "    return Found\n"
     ),
-    "blender_environment": "PACKAGES = {'libmcsl-surely-missing.so.1': 'libmcsl1'}\n",
     "cli": (
         "import os, sys\n"
         "def main():\n"
@@ -294,6 +296,19 @@ def test_an_old_python_can_read_the_script_and_says_what_it_needs(project):
     (empty / "python3.12").symlink_to(sys.executable)
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
     assert f"making an environment with {empty / 'python3.12'}" in done.stdout
+
+
+def test_the_question_about_blender_is_understood_by_the_real_mcsl(tmp_path):
+    """The tiny project's answer is made up; the real one must answer to the same words."""
+    dev = runpy.run_path(str(ROOT / "dev.py"))
+    environment = {**os.environ, "MCSL_HOME": str(tmp_path), "MCSL_BLENDER": str(tmp_path / "none")}
+    done = subprocess.run(
+        [sys.executable, "-c", dev["ASK_BLENDER"]], env=environment, cwd=ROOT, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    answer = json.loads(done.stdout)
+    assert answer["found"] is False
+    assert all(name.startswith("lib") for name in answer["packages"])
 
 
 # ------------------------------------------------------------------------------------------------ the checks

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from strategies import centering_keys, edls
+from strategies import centering_keys, decided_edls, edls
 
 from mcsl_core import edl as edl_module
 from mcsl_core.edl import (
@@ -216,7 +216,7 @@ def frame_by_frame(pieces: tuple[tuple[FrameRange, Decision], ...]) -> list[tupl
     return [attrs.astuple(d) for r, d in pieces for _ in range(r.start, r.stop)]
 
 
-@given(edls())
+@given(decided_edls())
 def test_resolve_equals_painting_the_overrides_over_the_shots(edl):
     pieces = resolve(edl)
     check_tiles([r for r, _ in pieces], edl.frames, "pieces")
@@ -224,7 +224,7 @@ def test_resolve_equals_painting_the_overrides_over_the_shots(edl):
     assert all(a[1] != b[1] for a, b in zip(pieces, pieces[1:], strict=False)), "equal neighbours are one stretch"
 
 
-@given(edls(), st.data())
+@given(decided_edls(), st.data())
 def test_an_override_put_last_always_wins(edl, data):
     start = data.draw(st.integers(0, edl.frames - 1))
     stop = data.draw(st.integers(start + 1, edl.frames))

@@ -23,9 +23,12 @@ FLOORS: dict[int, set[str]] = {
         *("images", "media", "video", "playhead", "sampling", "sound", "recording", "footage"),  # reading
         *("samples", "scene", "scores"),  # values that pass between stages
     },
-    2: {"movement", "features", "alignment", "occlusion", "selection", "centering"},
-    3: {"hookspecs", "stages", "default_plugins", "plugins"},
-    4: {"solving", "analysis", "contact", "evaluation", "simulation", "demo"},
+    2: {"movement", "features", "alignment", "occlusion", "selection", "centering", "filling", "colour"},
+    3: {"compositor", "hookspecs", "stages", "default_plugins", "plugins"},
+    4: {
+        *("solving", "analysis", "evaluation", "contact", "simulation", "demo"),
+        *("blender", "blender_child", "timeline", "presets"),
+    },
     5: {"console", "cli"},
 }
 STAGES = 2  # the floor on which modules do not import each other: values pass between them through analysis.py
