@@ -83,20 +83,18 @@ def hand(scenario: Scenario, worker: int, kind: int, grip: float, left: bool, pi
     return clay.bake(rng, stain)
 
 
-def holding_hand(scenario: Scenario, worker: int, left: bool, pitch: float) -> Sprite:
+def holding_hand(scenario: Scenario, pitch: float) -> Sprite:
     """A fist around the lamp's handle; its origin is the handle."""
-    rng = scenario.stream("fist", worker)
+    rng = scenario.stream("fist")
     clay = Clay(-170, -70, 60, 70, pitch)
     glove = glove_material(scenario)
-    side = -1.0 if left else 1.0
-    clay.rod([(0, 0, -30), (0, 0.01, 30)], 22, Material((0.75, 0.78, 0.76), gloss=0.4, hardness=40))
     for n, y in enumerate((-26, -9, 9, 26)):
-        clay.rod([(-70, side * y * 0.9, 25), (-22, side * y, 36), (14, side * y, 26), (24, side * y, 8)],
+        clay.rod([(-70, y * 0.9, 25), (-22, y, 36), (14, y, 26), (24, y, 8)],
                  [14, 12.5, 11 - n * 0.4, 9], glove, 8)  # fmt: skip
     clay.rod([(-120, 0, 20), (-66, 0, 22)], [28, 34], glove, 14)
-    clay.rod([(-70, side * 36, 18), (-20, side * 46, 20), (14, side * 34, 22)], [15, 13, 10], glove, 8)
+    clay.rod([(-70, 36, 18), (-20, 46, 20), (14, 34, 22)], [15, 13, 10], glove, 8)
     clay.rod([(-150, 0, 20), (-120, 0, 20)], [31, 29], glove, 8)
-    return clay.bake(rng)
+    return softened(clay.bake(rng), 1.2)
 
 
 def sleeve(scenario: Scenario, worker: int, pitch: float, length: float = 420.0) -> Sprite:

@@ -52,7 +52,7 @@ def _layer(rng, edge: NDArray, run: NDArray, angle: float, base: NDArray, shade:
     """
     side = edge.shape[0]
     threads = weave(rng, side, -angle)
-    tint = (base * shade * (1 + rng.normal(0, 0.025, 3))).astype(np.float32)
+    tint = (base * shade * (1 + rng.normal(0, 0.014, 3))).astype(np.float32)
     tone = 1 + 0.045 * threads + 0.04 * waves(rng, edge.shape, 35 / pitch)
     hem = smoothstep(0.3, 1.0, edge) * smoothstep(10.4, 9.8, edge)
     stitch = np.exp(-(((edge - 8.2) / 0.45) ** 2)) * (np.sin(run * float(2 * np.pi / 3.2)) > -0.35)
@@ -73,7 +73,7 @@ def paint_drapes(scenario: Scenario, site: Site, x: NDArray, y: NDArray, pitch: 
     """Colour and fine relief of all cloth; what lies inside the opening is left for the skin."""
     rng = scenario.stream("drapes")
     shape = x.shape
-    base = np.array(COLOURS[scenario.drape], np.float32) * (1 + rng.normal(0, 0.05, 3))
+    base = np.array(COLOURS[scenario.drape], np.float32) * (1 + rng.normal(0, 0.035, 3))
     shades = rng.normal(1.0, 0.05, 5)
     width = rng.uniform(58, 74)
     colour = np.empty((*shape, 3), np.float32)
