@@ -8,7 +8,6 @@ and renamed: the old one or the whole new one, never a part.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -21,8 +20,8 @@ from mcsl_core.errors import BlenderError, InputError
 from mcsl_core.progress import JsonLines
 from mcsl_core.timing import FrameRange
 
-from . import output, strips
-from .plan import TIMELINE_SCHEMA, ConformedPiece, StripPlan, make_plan
+from . import output, scenes, strips
+from .plan import ConformedPiece, StripPlan, make_plan
 from .readback import read_overrides
 
 Request = Mapping[str, Any]
@@ -39,8 +38,7 @@ def timeline(request: Request, progress: JsonLines) -> dict[str, Any]:
     scene.name = "Programme"
     strips.use_sequencer_scene(scene)
     notes = strips.build(scene, plan, edl_path.parent)
-    scene["mcsl"] = TIMELINE_SCHEMA
-    _finish(scene, edl_path, blend, request)
+    _finish(scene, edl, edl_path, blend, request)
     for note in notes:
         progress.note(note)
     return {"blend": str(blend), "strips": len(plan.programme), "frames": plan.frames}
@@ -50,7 +48,7 @@ def read(request: Request, progress: JsonLines) -> dict[str, Any]:
     """request: blend. Result: the EDL it names, and that EDL's overrides after the editor's work."""
     blend = Path(request["blend"])
     scene = _open(blend)
-    edl_path = _edl_path(scene, blend)
+    edl_path = scenes.edl_path(scene, blend)
     edl = edls.load(edl_path)
     overrides = read_overrides(edl, strips.read(scene))
     value = edls.to_json(attrs.evolve(edl, overrides=overrides))["overrides"]
@@ -67,7 +65,7 @@ def refresh(request: Request, progress: JsonLines) -> dict[str, Any]:
     plan = _plan(edl, request)
     for note in strips.rebuild(scene, plan, edl_path.parent):
         progress.note(note)
-    _finish(scene, edl_path, blend, request)
+    _finish(scene, edl, edl_path, blend, request)
     return {"blend": str(blend), "strips": len(plan.programme), "frames": plan.frames}
 
 
@@ -117,33 +115,14 @@ def _open(blend: Path) -> Any:
         raise InputError(
             f"Blender cannot open it ({str(error).strip()})", where=str(blend), remedy="Restore it or build it again"
         ) from error
-    scenes = [s for s in bpy.data.scenes if s.get("mcsl_edl")]
-    if len(scenes) != 1:
-        count = "no scene" if not scenes else f"{len(scenes)} scenes ({', '.join(s.name for s in scenes)})"
-        raise InputError(
-            f"holds {count} with an mcsl timeline", where=str(blend), remedy="One is needed; see `mcsl timeline`"
-        )
-    return scenes[0]
+    return scenes.timeline_scene(blend)
 
 
-def _edl_path(scene: Any, blend: Path) -> Path:
-    """The EDL the scene names, as an absolute path."""
-    name = scene["mcsl_edl"]
-    path = Path(os.path.normpath(blend.parent / name.removeprefix("//")))
-    if not path.is_file():
-        raise InputError(
-            f"names the EDL {name}, which is not there",
-            where=str(blend),
-            remedy="Keep the .blend and its EDL where they lay to each other",
-        )
-    return path
-
-
-def _finish(scene: Any, edl_path: Path, blend: Path, request: Request) -> None:
+def _finish(scene: Any, edl: edls.Edl, edl_path: Path, blend: Path, request: Request) -> None:
     """Output settings, ids, relative paths, and the save."""
     if request.get("preset"):
         output.apply(scene, request["preset"], "//" + request["output"], sound=strips.has_sound(scene))
-    scene["mcsl_edl"] = _relative(edl_path, blend.parent)
+    scenes.set_ids(scene, edl, edl_path, blend.parent)
     part = blend.with_name(f".{blend.name}.part.blend")
     try:
         bpy.context.preferences.filepaths.save_version = 0
@@ -157,11 +136,3 @@ def _finish(scene: Any, edl_path: Path, blend: Path, request: Request) -> None:
         ) from error
     finally:
         part.unlink(missing_ok=True)
-
-
-def _relative(path: Path, folder: Path) -> str:
-    """// and the way from ``folder``; the whole path where there is none (another drive)."""
-    try:
-        return "//" + Path(os.path.relpath(path, folder)).as_posix()
-    except ValueError:
-        return path.as_posix()

@@ -28,6 +28,8 @@ from .progress import Progress, Silent
 SUPPORTED = {(4, 5): "4.5 LTS", (5, 0): "5.0", (5, 2): "5.2 LTS"}
 SUPPORTED_TEXT = "4.5 LTS, 5.0 or 5.2 LTS"
 
+PRIVATE = "the private environment of `mcsl blender install`"
+
 # Python -> the bpy that has a wheel for it. In order of preference: what the tests use first.
 WHEELS = {"3.11": "bpy==5.0.1", "3.13": "bpy>=5.2,<5.3"}
 BESIDE = ("attrs>=24.2", "cattrs>=24.1")
@@ -95,7 +97,7 @@ def find(explicit: str | None = None) -> Blender:
         except BlenderError as error:
             passed_over.append(str(error))
     if private_python().exists():
-        return _probe(str(private_python()), "the private environment of `mcsl blender install`")
+        return _probe(str(private_python()), PRIVATE)
     raise BlenderError(
         "no Blender was found" + (f" (passed over: {'; '.join(passed_over)})" if passed_over else ""),
         remedy=f"Run `mcsl blender install`, or name one ({SUPPORTED_TEXT}) by --blender or MCSL_BLENDER",
@@ -235,7 +237,7 @@ def install(progress: Progress | None = None) -> Blender:
     target = home() / "blender-env"
     if private_python().exists():
         progress.note(f"{target} is there already; delete it to make it anew")
-        return find(str(private_python()))
+        return _probe(str(private_python()), PRIVATE)
     python, number = _python_with_wheel()
     home().mkdir(parents=True, exist_ok=True)
     part = Path(tempfile.mkdtemp(prefix="blender-env.part-", dir=home()))
@@ -259,7 +261,7 @@ def install(progress: Progress | None = None) -> Blender:
     except BaseException:
         shutil.rmtree(part, ignore_errors=True)
         raise
-    return find(str(private_python()))
+    return _probe(str(private_python()), PRIVATE)
 
 
 def _python_with_wheel() -> tuple[str, str]:

@@ -1,0 +1,103 @@
+"""The child process: what it is told, how it is stopped, and what is said when it dies."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import threading
+import time
+
+import pytest
+
+from mcsl_core import presets
+from mcsl_core.blender_child import run
+from mcsl_core.errors import BlenderError, Cancelled, InputError
+from mcsl_core.progress import CancelToken, Silent
+
+
+class Recorder(Silent):
+    """Keeps what was reported; stops the work at the given count."""
+
+    def __init__(self, stop_at: int | None = None) -> None:
+        super().__init__(CancelToken())
+        self.seen: list = []
+        self.stop_at = stop_at
+
+    def stage(self, name, total=None, unit=""):
+        self.seen.append((name, total, unit))
+        self.token.check()
+
+    def advance(self, done):
+        self.seen.append(done)
+        if self.stop_at is not None and done >= self.stop_at:
+            self.token.cancel()
+        self.token.check()
+
+
+def render_request(built, out):
+    preset = presets.load("h264").for_blender()
+    return {"task": "render", "blend": str(built), "preset": preset, "output": str(out)}
+
+
+def children() -> list[str]:
+    """Processes below this one that are still there."""
+    said = subprocess.run(["ps", "--ppid", str(os.getpid()), "-o", "pid=,args="], capture_output=True, text=True)
+    return [line for line in said.stdout.splitlines() if "background.py" in line]
+
+
+def test_progress_comes_as_it_happens(built, blender, tmp_path):
+    progress = Recorder()
+    result = run(blender, render_request(built, tmp_path / "out.mp4"), progress)
+    assert result["frames"] == 60
+    assert progress.seen[0] == ("render", 60, "frames")
+    assert progress.seen[-1] == 60
+
+
+def test_a_cancel_ends_the_child(built, blender, tmp_path):
+    with pytest.raises(Cancelled):
+        run(blender, render_request(built, tmp_path / "out.mp4"), Recorder(stop_at=1))
+    assert children() == []
+
+
+def test_a_cancel_while_the_child_says_nothing(built, blender, tmp_path):
+    progress = Recorder()
+    threading.Timer(0.3, progress.token.cancel).start()  # Blender is still starting then
+    begun = time.monotonic()
+    with pytest.raises(Cancelled):
+        run(blender, render_request(built, tmp_path / "out.mp4"), progress)
+    assert time.monotonic() - begun < 5
+    assert children() == []
+
+
+def test_a_killed_child_is_told_as_such(built, blender, tmp_path):
+    class Killer(Recorder):
+        def stage(self, name, total=None, unit=""):
+            pid = int(children()[0].split()[0])
+            os.kill(pid, signal.SIGSEGV)
+
+    with pytest.raises(BlenderError, match="was killed by SIGSEGV"):
+        run(blender, render_request(built, tmp_path / "out.mp4"), Killer())
+
+
+def test_an_unexpected_failure_brings_the_childs_last_words(blender, tmp_path):
+    with pytest.raises(BlenderError, match=r"KeyError: 'no such task'[\s\S]*Traceback|Traceback[\s\S]*no such task"):
+        run(blender, {"task": "no such task"})
+
+
+def test_a_refusal_keeps_its_kind_place_and_remedy(blender, tmp_path):
+    with pytest.raises(InputError) as caught:
+        run(blender, {"task": "read", "blend": str(tmp_path / "none.blend")})
+    assert caught.value.what == "is missing"
+    assert caught.value.where == str(tmp_path / "none.blend")
+    assert "mcsl timeline" in caught.value.remedy
+    assert caught.value.exit_code == 3
+
+
+def test_the_users_settings_play_no_part(built, blender, tmp_path, monkeypatch):
+    config = tmp_path / "user" / "scripts" / "startup"
+    config.mkdir(parents=True)
+    (config / "mine.py").write_text("raise SystemExit('the user was here')")
+    monkeypatch.setenv("BLENDER_USER_RESOURCES", str(tmp_path / "user"))
+    monkeypatch.setenv("PYTHONPATH", str(config))
+    assert run(blender, {"task": "read", "blend": str(built)})["changed"] is False
