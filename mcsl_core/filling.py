@@ -6,7 +6,7 @@ cameras through the same eye, piece by piece. Everything is in programme pixels;
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from typing import Protocol
 
 import cv2
@@ -14,7 +14,7 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
-from .images import BLACK, U8, Planes, bgr_to_planes, feathered, planes_to_bgr
+from .images import BLACK, U8, Planes, feathered
 
 
 @frozen
@@ -31,6 +31,9 @@ class Rect:
         y, u, v = planes
         half = (slice(self.y // 2, (self.y + self.height) // 2), slice(self.x // 2, (self.x + self.width) // 2))
         return Planes(y[self.y : self.y + self.height, self.x : self.x + self.width], u[half], v[half])
+
+
+_SLIVER = 1 / 200  # least share of the frame for which one more camera is decoded: 100 x 100 pixels at 1080p
 
 
 class View(Protocol):
@@ -99,21 +102,24 @@ class Filler(Protocol):
         ...
 
 
+Stack = tuple[tuple[str, NDArray[np.float32]], ...]  # cameras from front to back, their alphas (H/2, W/2) in 0..1
+
+
 @frozen(eq=False)
 class _Patch:
     """A piece to fill: how much of the camera in front stays, and of each behind it, the nearest first."""
 
     rect: Rect
     front: NDArray[np.float32]  # (height / 2, width / 2), 0..1
-    behind: tuple[tuple[str, NDArray[np.float32]], ...]
+    behind: Stack
 
 
 class FootprintFiller:
     """Fills outside the camera's geometric footprint, softly over its edge, with what other cameras see there.
 
     The footprint follows from the warp alone, so dark pixels are no holes and nothing flickers. Cameras stand behind
-    each other in order, each faded over its own edge; where none sees anything it stays black. Only strips in which
-    something is missing are touched.
+    each other, each faded over its own edge where another goes on behind it; where none sees anything it stays black.
+    Only strips in which something is missing are touched.
     """
 
     name = "footprint"
@@ -142,23 +148,50 @@ class FootprintFiller:
         front = feathered(view.footprint(view.camera), feather)
         if front.min() == 255:
             return ()
-        missing = front < 255
-        layers: list[tuple[str, U8]] = []
-        for camera in view.others:
-            if not missing.any():
-                break
-            alpha = feathered(view.footprint(camera), feather)
-            if (alpha[missing] > 0).sum() < missing.size // 1000:
-                continue  # a sliver is not worth decoding a camera for
-            layers.append((camera, alpha))
-            missing &= alpha < 255
+        alphas = {camera: feathered(view.footprint(camera), feather) for camera in view.others}
+        layers = _layers(front, alphas, view.others)
         patches = []
         for rect in strips(front < 255):
             part = (slice(rect.y // 2, (rect.y + rect.height) // 2), slice(rect.x // 2, (rect.x + rect.width) // 2))
-            seen = tuple((camera, _weights(alpha[part])) for camera, alpha in layers if alpha[part].any())
-            if seen:
-                patches.append(_Patch(rect, _weights(front[part]), seen))
+            seen = tuple((camera, _weights(alphas[camera][part])) for camera in layers)
+            stack = _settled(((view.camera, _weights(front[part])), *seen))
+            if len(stack) > 1:
+                patches.append(_Patch(rect, stack[0][1], stack[1:]))
         return tuple(patches)
+
+
+def _settled(stack: Stack) -> Stack:
+    """Alphas for blending over each other so that the last one to see a pixel fades into nothing but itself.
+
+    Only those that show anywhere are kept; the first always is.
+    """
+    shares, open_ = [], np.float32(1)
+    for _, alpha in stack:
+        shares.append(open_ * alpha)
+        open_ = open_ * (1 - alpha)
+    settled, behind = [], np.zeros_like(shares[0])
+    for (camera, _), share in reversed(list(zip(stack, shares, strict=True))):
+        behind = behind + share
+        if share.max() > 1 / 512 or camera == stack[0][0]:
+            settled.append((camera, np.where(behind > 1e-4, share / np.maximum(behind, 1e-4), 0).astype(np.float32)))
+    return tuple(reversed(settled))
+
+
+def _layers(front: U8, alphas: Mapping[str, U8], others: Sequence[str]) -> tuple[str, ...]:
+    """Who stands behind: the reference, then whoever adds most. Each camera costs its whole decoding."""
+    open_ = 1 - _weights(front[::4, ::4])
+    weights = {camera: _weights(alpha[::4, ::4]) for camera, alpha in alphas.items()}
+    chosen: list[str] = []
+    left = list(others)
+    while left:
+        gains = {camera: float((open_ * weights[camera]).mean()) for camera in left}
+        best = left[0] if not chosen and gains[left[0]] >= _SLIVER else max(left, key=lambda c: gains[c])
+        if gains[best] < _SLIVER:
+            break
+        chosen.append(best)
+        left.remove(best)
+        open_ = open_ * (1 - weights[best])
+    return tuple(chosen)
 
 
 def _weights(alpha: U8) -> NDArray[np.float32]:
@@ -214,23 +247,34 @@ class ReferenceFiller:
     memory_frames = 30
 
     def fill(self, view: View) -> Planes:
-        whole = Rect(0, 0, *view.size)
         reference = view.others[0] if view.others else None
-        behind = view.look(reference, whole) if reference is not None else None
-        front = planes_to_bgr(view.front)
-        mask = _bright(front)
+        behind = view.look(reference, Rect(0, 0, *view.size)) if reference is not None else None
+        mask = _bright(view.front)
+        missing = cv2.bitwise_not(mask)
+        out = Planes(*(plane.copy() for plane in view.front))
         if behind is not None:
-            back = planes_to_bgr(behind)
-            alpha = cv2.GaussianBlur(mask, (49, 49), 0).astype(np.float32) / 255
-            missing = cv2.bitwise_and(cv2.bitwise_not(mask), cv2.bitwise_not(_bright(back)))
-            picture = cv2.blendLinear(front, back, alpha, 1 - alpha)
-        else:
-            missing, picture = cv2.bitwise_not(mask), front
-        if view.previous is not None and missing.any():
-            kept = cv2.GaussianBlur(planes_to_bgr(view.previous), (9, 9), 0)
-            picture[missing != 0] = kept[missing != 0]
-        return bgr_to_planes(picture)  # pyright: ignore[reportArgumentType]
+            missing = cv2.bitwise_and(missing, cv2.bitwise_not(_bright(behind)))
+            alpha = cv2.GaussianBlur(mask, (49, 49), 0)
+            small = cv2.resize(alpha, (alpha.shape[1] // 2, alpha.shape[0] // 2), interpolation=cv2.INTER_AREA)
+            weights = [_weights(np.asarray(a, np.uint8)) for a in (alpha, small, small)]
+            for plane, other, weight in zip(out, behind, weights, strict=True):
+                plane[:] = cv2.blendLinear(plane, other, weight, 1 - weight)
+        if view.previous is not None:
+            for plane, before in zip(out, view.previous, strict=True):
+                hole = missing if plane.shape == missing.shape else missing[::2, ::2]
+                _keep(plane, before, np.asarray(hole, np.uint8))
+        return out
 
 
-def _bright(picture: U8) -> U8:
-    return np.where(picture.max(axis=2) > 10, 255, 0).astype(np.uint8)
+def _bright(planes: Planes) -> U8:
+    """255 where the picture exceeds 10 of 255: luma 25 in limited range."""
+    return cv2.threshold(planes.y, 25, 255, cv2.THRESH_BINARY)[1]  # pyright: ignore[reportReturnType]
+
+
+def _keep(plane: U8, before: U8, hole: U8) -> None:
+    """Blurred pixels of the frame before into ``hole``, in place; only its surroundings are blurred."""
+    x, y, width, height = cv2.boundingRect(hole)
+    if not width:
+        return
+    part = (slice(max(0, y - 8), y + height + 8), slice(max(0, x - 8), x + width + 8))
+    cv2.copyTo(cv2.GaussianBlur(before[part], (9, 9), 0), hole[part], plane[part])

@@ -35,9 +35,15 @@ class Player:
         self._footage, self._camera, self._head = footage, camera, head
         self._frame: object = None
         self._planes: Planes | None = None
+        self._last: tuple[int, Planes | None] = (-1, None)
 
     def at(self, frame: int) -> Planes | None:
         """The picture at programme frame ``frame``; the same object as long as the same picture is shown."""
+        if frame != self._last[0]:
+            self._last = (frame, self._found(frame))
+        return self._last[1]
+
+    def _found(self, frame: int) -> Planes | None:
         if self._footage.has_gap(self._camera, frame):
             return None
         shown = self._head.at(self._footage.camera_time(self._camera, frame))
@@ -49,7 +55,7 @@ class Player:
 
     def close(self) -> None:
         self._head.close()
-        self._frame = self._planes = None
+        self._frame, self._planes, self._last = None, None, (-1, None)
 
 
 class Footage:
@@ -149,7 +155,13 @@ class Footage:
         return sample_cameras(self, names, step_s=step_s, height=height, piece=piece or FrameRange(0, self.frames))
 
     def audio_blocks(
-        self, camera: str, start_s: float, stop_s: float, rate: int = 48000, *, block_s: float = 10.0
+        self,
+        camera: str,
+        start_s: float | Fraction,
+        stop_s: float | Fraction,
+        rate: int = 48000,
+        *,
+        block_s: float = 10.0,
     ) -> Iterator[NDArray[np.float32]]:
         """Mono sound at ``rate`` from programme time ``start_s`` to ``stop_s``, in consecutive blocks; flat memory.
 
@@ -157,7 +169,9 @@ class Footage:
         """
         return sound_blocks(self.camera(camera), self.parts(camera), start_s, stop_s, rate, block_s)
 
-    def audio(self, camera: str, start_s: float, stop_s: float, rate: int = 48000) -> NDArray[np.float32]:
+    def audio(
+        self, camera: str, start_s: float | Fraction, stop_s: float | Fraction, rate: int = 48000
+    ) -> NDArray[np.float32]:
         """As `audio_blocks`, in one (n,) float32 array."""
         blocks = list(self.audio_blocks(camera, start_s, stop_s, rate))
         return np.concatenate(blocks) if blocks else np.zeros(0, np.float32)

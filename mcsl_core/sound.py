@@ -71,7 +71,12 @@ def _blocks(parts: Sequence[Part], start: int, rate: int) -> Iterator[tuple[int,
 
 
 def sound_blocks(
-    camera: Camera, parts: Sequence[Part], start_s: float, stop_s: float, rate: int, block_s: float
+    camera: Camera,
+    parts: Sequence[Part],
+    start_s: float | Fraction,
+    stop_s: float | Fraction,
+    rate: int,
+    block_s: float,
 ) -> Iterator[Sound]:
     """Consecutive blocks from programme time ``start_s`` to ``stop_s``; see `Footage.audio_blocks`."""
     first = round(Fraction(start_s) * rate)
