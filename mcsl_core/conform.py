@@ -11,10 +11,9 @@ takes 0.15 s and more for each movie strip, so that 2,000 shots must not become 
 from __future__ import annotations
 
 import hashlib
-import json
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from fractions import Fraction
 from functools import lru_cache
@@ -27,6 +26,7 @@ from attrs import frozen
 
 from . import compositor as compositing
 from .compositor import Compositor
+from .documents import canonical_json
 from .edl import Camera, Edl, offset_at, resolve
 from .errors import Cancelled, UsageError
 from .filling import Filler, FootprintFiller
@@ -35,7 +35,7 @@ from .images import Planes, resize_planes
 from .media import fingerprint
 from .programme_sound import AUDIO_RATE, sound_key, sound_of, write_wav
 from .progress import Progress, Silent
-from .timing import FrameRange
+from .timing import FrameRange, merge_equal
 from .video import Encoding, VideoWriter
 
 VERSION = 1  # rises when chunks come out differently for a reason that no key holds
@@ -120,7 +120,7 @@ def plan(edl: Edl, base: Path, *, filler: Filler | None = None, encoding: Encodi
     for start in range(0, edl.frames, step):
         piece = FrameRange(start, min(start + step, edl.frames))
         span = FrameRange(max(0, start - filler.memory_frames), piece.stop)
-        parts = []
+        parts: list[tuple[FrameRange, Any]] = []
         for stretch, decision in decisions:
             for pose in edl.poses:
                 part = stretch.intersection(span)
@@ -129,27 +129,26 @@ def plan(edl: Edl, base: Path, *, filler: Filler | None = None, encoding: Encodi
                     continue
                 cameras = set(pose.homographies) if decision.fill else set()
                 cameras |= {decision.camera, edl.reference}
-                parts.append(
-                    {
-                        "range": [part.start, part.stop],
-                        "decision": [decision.camera, decision.centering, decision.fill, decision.colour],
-                        "sources": [source(name) for name in sorted(cameras)],
-                        "order": [c.name for c in edl.cameras if c.name in cameras],
-                        "anchor": pose.anchor,
-                        "homographies": {n: pose.homographies.get(n) for n in sorted(cameras)},
-                        "colour": {n: pose.colour[n].matrix for n in sorted(cameras) if n in pose.colour}
-                        if decision.colour
-                        else None,
-                        "offsets": _offsets(edl, part) if decision.centering else None,
-                    }
-                )
+                facts = {
+                    "decision": [decision.camera, decision.centering, decision.fill, decision.colour],
+                    "sources": [source(camera.name) for camera in edl.cameras if camera.name in cameras],
+                    "anchor": pose.anchor,
+                    "homographies": {n: pose.homographies.get(n) for n in sorted(cameras)},
+                }
+                if decision.colour:
+                    facts["colour"] = {n: pose.colour[n].matrix for n in sorted(cameras) if n in pose.colour}
+                parts.append((part, facts))
         key = _digest(
             {
                 "versions": [VERSION, compositing.VERSION, filler.name, filler.version],
                 "programme": [str(edl.rate), list(edl.size), edl.reference],
                 "encoding": attrs.asdict(encoding),
                 "range": [piece.start, piece.stop],
-                "parts": parts,
+                # merged, since it does not matter whether an editor or the analysis chose what is shown
+                "parts": [
+                    [part.start, part.stop, facts, _offsets(edl, part) if facts["decision"][1] else None]
+                    for part, facts in merge_equal(parts)
+                ],
             }
         )
         chunks.append(Chunk(piece, key))
@@ -163,8 +162,16 @@ def _offsets(edl: Edl, part: FrameRange) -> list[Any]:
 
 
 def _digest(value: Any) -> str:
-    text = json.dumps(value, sort_keys=True, separators=(",", ":"), default=list)
-    return hashlib.sha256(text.encode()).hexdigest()[:20]
+    """A hash that an EDL keeps when it is saved and loaded: numbers as the document writes them."""
+    return hashlib.sha256(canonical_json(_plain(value)).encode()).hexdigest()[:20]
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(k): _plain(value[k]) for k in sorted(value)}
+    if isinstance(value, list | tuple):
+        return [_plain(v) for v in value]
+    return float(value) if isinstance(value, int) else value
 
 
 # ---------------------------------------------------------------------------------------------------------- making

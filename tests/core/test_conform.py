@@ -1,0 +1,308 @@
+"""Conformed media read back with PyAV and `wave` alone; keys change with what the pixels depend on and nothing else."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import wave
+from fractions import Fraction
+from pathlib import Path
+
+import attrs
+import av
+import numpy as np
+import pytest
+from coded_video import SIZE, read_number, write_coded
+
+from mcsl_core import conform as conforming
+from mcsl_core import edl as document
+from mcsl_core.conform import conform, default_folder, plan, programme_frames, write_direct
+from mcsl_core.edl import Camera, Clock, Colour, Edl, Look, Media, Override, Pose, Shot
+from mcsl_core.errors import Cancelled, InputError, UsageError
+from mcsl_core.filling import ReferenceFiller
+from mcsl_core.progress import Silent
+from mcsl_core.timing import FrameRange
+from mcsl_core.video import Encoding
+
+EYE = ((1.0, 0, 0), (0, 1.0, 0), (0, 0, 1.0))
+FRAMES = 130
+RATE = Fraction(30)
+CLICK_S = 2.0
+
+
+@pytest.fixture(autouse=True)
+def short_chunks(monkeypatch):
+    monkeypatch.setattr(conforming, "CHUNK_S", 1)
+
+
+def click_track(seconds, at_s):
+    sound = np.zeros(int(seconds * 48000), np.float32)
+    start = round(at_s * 48000)
+    sound[start : start + 480] = 0.7 * np.sin(2 * np.pi * 1000 * np.arange(480) / 48000)
+    return sound
+
+
+@pytest.fixture(scope="module")
+def sources(tmp_path_factory):
+    """Camera a shows n at programme frame n; b's clock began a second later, so that it shows n - 30."""
+    folder = tmp_path_factory.mktemp("quellen ü")
+    write_coded(folder / "a.mp4", range(FRAMES), sound=click_track(FRAMES / 30, CLICK_S))
+    write_coded(folder / "b.mp4", range(FRAMES), gop=40)
+    return folder
+
+
+def make(**changes):
+    cameras = (
+        Camera("a", (Media("a.mp4", FRAMES),), SIZE, RATE),
+        Camera("b", (Media("b.mp4", FRAMES),), SIZE, RATE, clock=Clock(offset_s=1.0)),
+    )
+    values = {
+        "rate": RATE,
+        "size": SIZE,
+        "frames": FRAMES,
+        "reference": "a",
+        "cameras": cameras,
+        "poses": (Pose(FrameRange(0, FRAMES), {"a": EYE, "b": EYE}),),
+        "shots": (Shot(FrameRange(0, 50), "a"), Shot(FrameRange(50, FRAMES), "b")),
+        "look": Look(centering=False, fill=False, colour=False),
+        **changes,
+    }
+    return Edl(**values)
+
+
+def shown(path):
+    """The numbers in a file's pictures, and that its timestamps are 0, 1, 2 / rate."""
+    with av.open(str(path)) as container:
+        frames = list(container.decode(video=0))
+    assert [round(f.time * 30, 3) for f in frames] == list(range(len(frames)))
+    return [read_number(f.to_ndarray(format="gray")) for f in frames]
+
+
+EXPECTED = [*range(50), *range(20, FRAMES - 30)]
+
+
+def changed(before, after):
+    return [a.range.start for a, b in zip(before, after, strict=True) if a.key != b.key]
+
+
+def test_chunks_tile_the_programme(sources):
+    chunks = plan(make(), sources)
+    assert [c.range for c in chunks] == [FrameRange(s, min(s + 30, FRAMES)) for s in range(0, FRAMES, 30)]
+    assert len({c.name for c in chunks}) == len(chunks)
+    assert plan(make(), sources) == chunks
+
+
+def test_keys_follow_what_the_pixels_depend_on(sources, tmp_path):
+    base = plan(make(), sources)
+
+    def diff(**changes):
+        return changed(base, plan(make(**changes), sources))
+
+    every = [0, 30, 60, 90, 120]
+    assert diff(overrides=(Override(FrameRange(70, 75), camera="a"),)) == [60]
+    assert diff(overrides=(Override(FrameRange(10, 40), camera="a"),)) == []  # what was chosen anyway
+    assert diff(overrides=(Override(FrameRange(10, 40), note="nice"),)) == []
+    assert diff(overrides=(Override(FrameRange(55, 95), fill=True),)) == [30, 60, 90]
+    assert diff(shots=(Shot(FrameRange(0, 45), "a"), Shot(FrameRange(45, FRAMES), "b"))) == [30]
+    assert diff(centering=((0, 5.0, 5.0),)) == []  # centering is off
+    assert diff(poses=(Pose(FrameRange(0, FRAMES), {"a": EYE, "b": ((1.0, 0, 1), (0, 1.0, 0), (0, 0, 1.0))}),)) == [
+        30,
+        60,
+        90,
+        120,
+    ]
+    assert (
+        diff(poses=(Pose(FrameRange(0, FRAMES), {"a": EYE, "b": EYE}, anchor=((1.0, 0, 1), (0, 1.0, 0), (0, 0, 1.0))),))
+        == every
+    )
+    grey = Colour(((1.0, 0, 0, 0), (0, 0, 0, 128.0), (0, 0, 0, 128.0)))
+    assert diff(poses=(Pose(FrameRange(0, FRAMES), {"a": EYE, "b": EYE}, colour={"b": grey}),)) == []  # colour is off
+    cameras = make().cameras
+    late = attrs.evolve(cameras[1], clock=Clock(offset_s=1.1))
+    assert diff(cameras=(cameras[0], late)) == [30, 60, 90, 120]
+    centred = make(look=Look(True, False, False), centering=((0, 0.0, 0.0), (60, 0.0, 0.0), (90, 9.0, 0.0)))
+    moved = attrs.evolve(centred, centering=((0, 0.0, 0.0), (60, 0.0, 0.0), (90, 12.0, 0.0)))
+    assert changed(plan(centred, sources), plan(moved, sources)) == [60, 90, 120]
+    assert changed(base, plan(make(), sources, encoding=Encoding())) == every
+    # Where the filler remembers the frames before, they count too.
+    remembered = plan(make(), sources, filler=ReferenceFiller())
+    touched = plan(make(overrides=(Override(FrameRange(50, 59), camera="a"),)), sources, filler=ReferenceFiller())
+    assert changed(remembered, touched) == [30, 60]
+
+
+def test_keys_follow_the_content_of_sources_not_their_place(sources, tmp_path):
+    elsewhere = tmp_path / "moved"
+    shutil.copytree(sources, elsewhere)
+    base = plan(make(), sources)
+    assert plan(make(), elsewhere) == base
+    with (elsewhere / "b.mp4").open("ab") as stream:
+        stream.write(b"x")
+    assert changed(base, plan(make(), elsewhere)) == [30, 60, 90, 120]
+    (elsewhere / "b.mp4").unlink()
+    with pytest.raises(InputError, match=r"b\.mp4"):
+        plan(make(), elsewhere)
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_chunks_hold_the_programme_and_runs_resume(sources, tmp_path, jobs):
+    out = tmp_path / "out"
+    done = conform(make(), sources, out, jobs=jobs)
+    assert done.made == 5
+    assert [n for chunk in done.chunks for n in shown(done.path(chunk))] == EXPECTED
+    with av.open(str(done.path(done.chunks[0]))) as container:
+        context = container.streams.video[0].codec_context
+        assert (context.colorspace, context.color_range, context.pix_fmt) == (1, 1, "yuv420p")
+        keys = [p.pts for p in container.demux(video=0) if p.is_keyframe]
+        assert len(keys) == 2
+    before = {p.name: p.stat().st_mtime_ns for p in out.iterdir()}
+    assert conform(make(), sources, out, jobs=jobs).made == 0
+    done.path(done.chunks[2]).unlink()
+    assert conform(make(), sources, out, jobs=jobs).made == 1
+    after = {p.name: p.stat().st_mtime_ns for p in out.iterdir()}
+    assert set(before) == set(after)
+    assert [n for n in before if before[n] != after[n]] == [done.chunks[2].name]
+
+
+def test_an_override_makes_one_chunk_and_prune_removes_the_old(sources, tmp_path):
+    first = conform(make(), sources, tmp_path)
+    (tmp_path / "notes.txt").write_text("an editor's own file")
+    edl = make(overrides=(Override(FrameRange(70, 75), camera="a"),))
+    second = conform(edl, sources, tmp_path)
+    assert second.made == 1
+    expected = list(EXPECTED)
+    expected[70:75] = range(70, 75)
+    assert [n for chunk in second.chunks for n in shown(second.path(chunk))] == expected
+    assert first.path(first.chunks[2]).is_file()
+    third = conform(edl, sources, tmp_path, prune=True)
+    assert third.made == 0
+    assert {p.name for p in tmp_path.iterdir()} == {"notes.txt", second.audio.name, *(c.name for c in second.chunks)}
+
+
+class StopsAfter(Silent):
+    """Cancels once that many frames are reported."""
+
+    def __init__(self, frames):
+        super().__init__()
+        self.frames, self.conforming = frames, False
+
+    def stage(self, name, total=None, unit=""):
+        self.conforming = name == "Conforming"
+
+    def advance(self, done):
+        if self.conforming and done >= self.frames:
+            raise Cancelled
+
+
+def test_a_stopped_run_leaves_whole_chunks_only(sources, tmp_path):
+    with pytest.raises(Cancelled):
+        conform(make(), sources, tmp_path, jobs=2, progress=StopsAfter(1))
+    assert not list(tmp_path.glob(".*"))
+    for path in tmp_path.glob("*.mp4"):
+        shown(path)
+    done = conform(make(), sources, tmp_path)
+    assert [n for chunk in done.chunks for n in shown(done.path(chunk))] == EXPECTED
+
+
+def test_a_killed_run_loses_what_it_was_at(sources, tmp_path):
+    out = tmp_path / "out"
+    document.save(make(), sources / "edl.json")
+    script = (
+        "import sys; from pathlib import Path; from mcsl_core import conform, edl\n"
+        "conform.CHUNK_S = 1\n"
+        "conform.conform(edl.load(sys.argv[1]), Path(sys.argv[1]).parent, Path(sys.argv[2]), jobs=1)"
+    )
+    root = Path(__file__).parents[2]
+    child = subprocess.Popen([sys.executable, "-c", script, sources / "edl.json", out], cwd=root)
+    until = time.monotonic() + 60
+    while not list(out.glob("*.mp4")) and time.monotonic() < until:
+        time.sleep(0.005)
+    child.send_signal(signal.SIGKILL)
+    child.wait()
+    for path in out.glob("*.mp4"):
+        assert len(shown(path)) in (30, 10)
+    for part in out.glob(".*.part"):
+        os.utime(part, (1, 1))  # as if it were long ago
+    done = conform(make(), sources, out)
+    assert done.made < 5
+    assert not list(out.glob(".*"))
+    assert [n for chunk in done.chunks for n in shown(done.path(chunk))] == EXPECTED
+
+
+def test_a_fault_in_a_job_comes_out_and_leaves_nothing_half_made(sources, tmp_path):
+    class Fails(ReferenceFiller):
+        def fill(self, view):
+            if view.frame == 64:
+                raise RuntimeError("no paint left")
+            return super().fill(view)
+
+    with pytest.raises(RuntimeError, match="no paint"):
+        conform(make(look=Look(False, True, False)), sources, tmp_path, filler=Fails())
+    assert not list(tmp_path.glob(".*"))
+
+
+def wav(path):
+    with wave.open(str(path)) as sound:
+        assert (sound.getnchannels(), sound.getsampwidth(), sound.getframerate()) == (1, 2, 48000)
+        return np.frombuffer(sound.readframes(sound.getnframes()), "<i2") / 32768
+
+
+def test_the_sound_lies_on_the_programme_clock(sources, tmp_path):
+    done = conform(make(), sources, tmp_path / "one")
+    sound = wav(done.audio)
+    assert len(sound) == round(FRAMES / 30 * 48000)
+    assert abs(int(np.argmax(np.abs(sound) > 0.2)) - CLICK_S * 48000) < 48 * 2
+    cameras = make().cameras
+    edl = make(cameras=(attrs.evolve(cameras[0], clock=Clock(offset_s=-0.5)), cameras[1]))
+    moved = conform(edl, sources, tmp_path / "two")
+    found = np.correlate(wav(moved.audio), click_track(0.2, 0)[:480]).argmax()
+    assert abs(int(found) - (CLICK_S - 0.5) * 48000) <= 2
+    assert moved.audio.name != done.audio.name
+    assert conform(make(), sources, tmp_path / "three", audio_from="b").audio is None
+    with pytest.raises(UsageError, match="'c'"):
+        conform(make(), sources, tmp_path / "four", audio_from="c")
+
+
+def test_direct_and_conformed_pictures_agree_and_sound_is_in_sync(sources, tmp_path):
+    edl = make(look=Look(True, True, False), centering=((0, 0.0, 0.0), (40, 14.0, -6.0)))
+    lossless = Encoding(options={"preset": "ultrafast", "qp": "0"})
+    write_direct(edl, sources, tmp_path / "direct.mp4", encoding=lossless, audio_channels=2)
+    planes = [p.y for p in programme_frames(edl, sources)]
+    with av.open(str(tmp_path / "direct.mp4")) as container:
+        frames = [f.to_ndarray(format="yuv420p")[: SIZE[1]] for f in container.decode(video=0)]
+    assert len(frames) == FRAMES
+    assert all(np.array_equal(a, b) for a, b in zip(frames, planes, strict=True))
+    done = conform(edl, sources, tmp_path / "out")
+    conformed = []
+    for chunk in done.chunks:
+        with av.open(str(done.path(chunk))) as container:
+            conformed += [f.to_ndarray(format="yuv420p")[: SIZE[1]] for f in container.decode(video=0)]
+    worst = max(float(np.mean((a.astype(float) - b) ** 2)) for a, b in zip(conformed, planes, strict=True))
+    assert 10 * np.log10(255**2 / worst) > 38
+    sound = np.zeros(FRAMES * 1600 + 4096)
+    with av.open(str(tmp_path / "direct.mp4")) as container:
+        assert container.streams.audio[0].channels == 2
+        for frame in container.decode(audio=0):
+            start, data = round(frame.time * 48000), frame.to_ndarray()[0]
+            sound[start : start + len(data)] = data
+    found = np.correlate(sound, click_track(0.2, 0)[:480]).argmax()
+    assert abs(int(found) - CLICK_S * 48000) <= 4
+
+
+def test_direct_writes_other_sizes_and_stretches_and_leaves_nothing_when_stopped(sources, tmp_path):
+    write_direct(make(), sources, tmp_path / "small.mp4", size=(128, 72), piece=FrameRange(45, 60))
+    assert shown(tmp_path / "small.mp4") == EXPECTED[45:60]
+
+    class Stops(Silent):
+        def advance(self, done):
+            if done > 3:
+                raise Cancelled
+
+    with pytest.raises(Cancelled):
+        write_direct(make(), sources, tmp_path / "stopped.mp4", progress=Stops())
+    assert [p.name for p in tmp_path.iterdir()] == ["small.mp4"]
+
+
+def test_default_folder():
+    assert default_folder(Path("/a/edl.json")) == Path("/a/edl.conformed")
