@@ -21,6 +21,7 @@ from .readback import FoundCamera, FoundStrip, SequencerState
 
 ROLE = "mcsl"
 REBUILT = ("programme", "centering", "conformed", "sound")  # from the EDL anew; camera strips stay as they are
+HIGHEST_CHANNEL = 128  # Blender has no more
 OVERRIDDEN_COLOUR = "COLOR_03"  # yellow: an editor's decision
 _CONSTANT, _LINEAR = 0, 1  # Blender's interpolation codes, as foreach_set takes them
 
@@ -69,20 +70,23 @@ def build(scene: Any, plan: StripPlan, base: Path) -> list[str]:
 def rebuild(scene: Any, plan: StripPlan, base: Path) -> list[str]:
     """Programme, Centering, Conformed and sound anew from ``plan``; cameras and the editor's own strips stay.
 
-    The editor's strips on our channels move above the Conformed channel, keeping their order.
+    Where one of the editor's strips lies on our channels, all of them move up together, keeping their order.
     """
     editor = scene.sequence_editor
     for strip in [s for s in editor.strips if _role(s) in REBUILT or (s.type == "MULTICAM" and not s.mute)]:
         editor.strips.remove(strip)
     notes = []
-    own = range(plan.programme_channel, plan.conformed_channel + 1)
-    lodgers = sorted((s for s in editor.strips if not _role(s) and s.channel in own), key=lambda s: -s.channel)
-    if lodgers:
-        above = max([s.channel for s in editor.strips] + [plan.conformed_channel])
-        moves = {s.name: above + 1 + s.channel - plan.programme_channel for s in lodgers}
-        for strip in lodgers:
-            strip.channel = moves[strip.name]
-        notes.append(f"moved above the Conformed channel: {', '.join(sorted(moves))}")
+    above = sorted((s for s in editor.strips if not _role(s) and s.channel >= plan.programme_channel), key=_by_channel)
+    if above and (lift := plan.conformed_channel + 1 - above[0].channel) > 0:
+        if above[-1].channel + lift > HIGHEST_CHANNEL:
+            raise InputError(
+                "has no channel left above Conformed for your strips",
+                where=f"strip {above[-1].name!r} on channel {above[-1].channel}",
+                remedy="Move your highest strips down",
+            )
+        for strip in reversed(above):  # the highest first: each finds its new place free
+            strip.channel += lift
+        notes.append(f"your strips moved up by {lift} channels, to lie above the Conformed channel")
     return notes + _decided(scene, plan, base)
 
 
@@ -238,6 +242,10 @@ def _keys(scene: Any, path: str, keys: tuple[OffsetKey, ...], axis: str) -> None
 
 def _channel(scene: Any, index: int, name: str) -> None:
     scene.sequence_editor.channels[index].name = name
+
+
+def _by_channel(strip: Any) -> int:
+    return strip.channel
 
 
 def _role(strip: Any) -> str:

@@ -40,6 +40,8 @@ PACKAGES = {
     "libXrender.so.1": "libxrender1",
     "libXfixes.so.3": "libxfixes3",
     "libXi.so.6": "libxi6",
+    "libXext.so.6": "libxext6",
+    "libxcb.so.1": "libxcb1",
     "libXxf86vm.so.1": "libxxf86vm1",
     "libxkbcommon.so.0": "libxkbcommon0",
     "libSM.so.6": "libsm6",

@@ -116,6 +116,8 @@ def _end(child: subprocess.Popen[bytes]) -> None:
 
 
 def _raise(blender: Blender, error: dict[str, Any] | None, code: int, log: str) -> NoReturn:
+    if reason := explain_missing(blender, log):
+        raise reason
     tail = "\n".join(line for line in log.strip().splitlines()[-8:])
     if error is not None:
         kinds = {2: UsageError, 3: InputError}
@@ -124,8 +126,6 @@ def _raise(blender: Blender, error: dict[str, Any] | None, code: int, log: str) 
         if kind is BlenderError and tail:
             what += f"\n{tail}\n"
         raise kind(what, where=error.get("where", ""), remedy=error.get("remedy", ""))
-    if reason := explain_missing(blender, log):
-        raise reason
     how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code} and no answer"
     raise BlenderError(
         f"Blender {blender.version} {how}" + (f"; its last words:\n{tail}\n" if tail else ""),

@@ -12,11 +12,12 @@ from . import edl as edls
 from . import presets
 from .blender import Blender
 from .blender_child import run
-from .conform import default_folder
+from .conform import Chunk, content_of, default_folder
 from .conform import plan as conform_plan
 from .edl import Edl
 from .errors import InputError, UsageError
 from .presets import Preset
+from .programme_sound import sound_key, sound_of
 from .progress import Progress, Silent
 
 
@@ -54,6 +55,13 @@ def pull(blend_path: Path, edl_out: Path | None = None, *, blender: Blender, pro
     Nothing but the overrides changes; where nothing was decided anew, the file is left as it is, to the byte. Raises
     InputError naming strip and frame of what cannot be read; nothing is written then.
     """
+    return pull_from(blend_path, edl_out, blender=blender, progress=progress)[1]
+
+
+def pull_from(
+    blend_path: Path, edl_out: Path | None = None, *, blender: Blender, progress: Progress | None = None
+) -> tuple[Path, Edl]:
+    """As `pull`; also returns where the EDL lies that was written."""
     progress = progress or Silent()
     _check_blend_name(blend_path)
     progress.stage("reading the timeline")
@@ -67,13 +75,13 @@ def pull(blend_path: Path, edl_out: Path | None = None, *, blender: Blender, pro
     if target.resolve() == edl_path.resolve():
         if found["changed"]:
             edls.save(edl, target)
-        return edl
+        return target, edl
     moved = rebased(edl, edl_path.parent, target.parent)
     if moved == edl and not found["changed"]:
         edls.write_atomic(target, edl_path.read_bytes())
     else:
         edls.save(moved, target)
-    return moved
+    return target, moved
 
 
 def rebased(edl: Edl, old: Path, new: Path) -> Edl:
@@ -114,12 +122,15 @@ def in_place(edl: Edl, base: Path, folder: Path) -> tuple[list[dict[str, Any]], 
     if not folder.is_dir():
         return [], None
     folder = folder.resolve()
-    pieces = [
-        {"range": [chunk.range.start, chunk.range.stop], "path": str(folder / chunk.file)}
-        for chunk in conform_plan(edl, base)
-        if (folder / chunk.file).is_file()
-    ]
-    return pieces, None
+    pieces = [piece_of(chunk, folder) for chunk in conform_plan(edl, base) if (folder / chunk.name).is_file()]
+    camera = sound_of(edl, None)
+    sound = folder / f"sound-{sound_key(edl, camera, content_of(edl.camera(camera), base))}.wav"
+    return pieces, str(sound) if sound.is_file() else None
+
+
+def piece_of(chunk: Chunk, folder: Path) -> dict[str, Any]:
+    """A conformed chunk as the tasks take it."""
+    return {"range": [chunk.range.start, chunk.range.stop], "path": str(folder / chunk.name)}
 
 
 def _check_blend_name(path: Path) -> None:

@@ -26,8 +26,6 @@ BITS = 8
 BLOCK = 16  # pixels a side of one bit, several macroblock edges clear of its neighbours
 LIGHT = {"cam1": 60, "cam2": 100, "cam3": 140}  # each camera's ground, so that a picture tells where it is from
 
-pytestmark = pytest.mark.blender
-
 
 def pytest_collection_modifyitems(items):
     for item in items:
@@ -46,6 +44,9 @@ def picture(number: int, ground: int = 60, size: tuple[int, int] = SIZE) -> np.n
     """BGR: ``number`` as black and white blocks in two rows round the middle, on a grey ground with a few marks."""
     width, height = size
     image = np.full((height, width, 3), ground, np.uint8)
+    image[: height // 4, :, 0] = np.linspace(20, 220, width).astype(np.uint8)  # colours and edges, clear of the blocks
+    image[-height // 4 :, :, 2] = np.linspace(220, 20, width).astype(np.uint8)
+    image[8:28, 30:60], image[-30:-8, -70:-40] = (40, 40, 200), (60, 180, 40)
     left, top = width // 2 - 2 * (BLOCK + 8), height // 2 - BLOCK - 4
     for bit in range(BITS):
         x, y = left + (bit % 4) * (BLOCK + 8), top + (bit // 4) * (BLOCK + 8)

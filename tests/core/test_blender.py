@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from mcsl_core import blender
+from mcsl_core.blender_child import run
 from mcsl_core.errors import BlenderError
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="the stand-ins are shell scripts")
@@ -134,6 +135,16 @@ def test_a_blender_that_cannot_start_says_why(tmp_path):
     assert error is not None
     assert "lacks libX11.so.6. Run: apt-get install -y libx11-6" in str(error)
     assert blender.explain_missing(broken, "Segmentation fault") is None
+
+
+def test_a_child_that_lacks_a_library_is_told_apart_from_a_crash(tmp_path):
+    said = "ImportError: libXi.so.6: cannot open shared object file: No such file or directory"
+    broken = blender.Blender("module", (str(program(tmp_path / "python", said, 1)),), "5.0.1", "a test")
+    with pytest.raises(BlenderError, match=r"lacks libXi\.so\.6\. Run: apt-get install -y libxi6"):
+        run(broken, {"task": "read", "blend": "edit.blend"})
+    other = blender.Blender("module", (str(program(tmp_path / "other", "boom", 3)),), "5.0.1", "a test")
+    with pytest.raises(BlenderError, match=r"ended with code 3 and no answer; its last words:\nboom"):
+        run(other, {"task": "read", "blend": "edit.blend"})
 
 
 def test_a_failed_install_leaves_nothing(tmp_path, monkeypatch):
