@@ -16,8 +16,6 @@ import poselib
 from attrs import field, frozen
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
 
 from .edl import Weak
 
@@ -190,7 +188,7 @@ def align(
     reference: str,
     settings: AlignmentSettings | None = None,
 ) -> Alignment:
-    """Ties every camera to ``reference``: pairwise fits, the spanning tree of best support, joint refinement.
+    """Ties every camera to ``reference``: pairwise fits, the tree of most agreed support, joint refinement.
 
     ``pairs`` holds the pooled correspondences of camera pairs (a, b); ``sizes`` every camera's (width, height).
     """
@@ -201,36 +199,62 @@ def align(
         fit = fit_pair(matches, sizes[a], sizes[b], settings)
         if fit is not None:
             fits[a, b] = fit
-    homographies = _chain(fits, names, reference)
-    homographies = _refine(fits, homographies, reference, sizes)
+    tied, agreed = _tie(fits, sizes, reference, settings)
+    homographies = _refine(agreed, tied, reference, sizes)
     residual, support = {}, {}
     for name in homographies:
         if name != reference:
-            residual[name], support[name] = _quality(name, fits, homographies)
-    weak = tuple(Weak(name, _diagnosis(name, pairs, fits, settings)) for name in names if name not in homographies)
+            residual[name], support[name] = _quality(name, agreed, homographies)
+    weak = tuple(
+        Weak(name, _diagnosis(name, pairs, fits, homographies, settings)) for name in names if name not in homographies
+    )
     return Alignment(homographies, residual, support, weak)
 
 
-def _chain(fits: Mapping[tuple[str, str], PairFit], names: Sequence[str], reference: str) -> dict[str, Array]:
-    """Homographies to the reference along the maximum spanning tree of support."""
-    index = {name: i for i, name in enumerate(names)}
-    chained: dict[str, Array] = {reference: np.eye(3)}
-    if not fits:
-        return chained
-    rows = [index[a] for a, _ in fits]
-    columns = [index[b] for _, b in fits]
-    # The reference's own pairs are preferred, since error adds up along a chain.
-    cost = [1 / (fit.support * (2 if reference in pair else 1)) for pair, fit in fits.items()]
-    graph = coo_matrix((cost, (rows, columns)), shape=(len(names), len(names)))
-    tree = minimum_spanning_tree(graph)
-    order, before = breadth_first_order(tree, index[reference], directed=False)
-    for node in order[1:]:
-        name, nearer = names[node], names[before[node]]
-        forward = (name, nearer) in fits
-        step = fits[name, nearer].homography if forward else np.linalg.inv(fits[nearer, name].homography)
-        h = chained[nearer] @ step
-        chained[name] = h / h[2, 2]
-    return chained
+def _tie(
+    fits: Mapping[tuple[str, str], PairFit],
+    sizes: Mapping[str, tuple[int, int]],
+    reference: str,
+    settings: AlignmentSettings,
+) -> tuple[dict[str, Array], dict[tuple[str, str], PairFit]]:
+    """(homographies to the reference, the fits that agree with them), grown from the reference like a maximum
+    spanning tree (Prim), but by *agreed* support: a camera is placed where most of its pairs agree that it lies.
+
+    A pair can be wrong as a whole: two cameras that see the same head match it well, a metre off the field's plane.
+    Such a pair contradicts the others, and a camera whose pairs mostly contradict its place is not tied in.
+    """
+    tied: dict[str, Array] = {reference: np.eye(3)}
+    agreed: dict[tuple[str, str], PairFit] = {}
+    bound = settings.relief * float(np.hypot(*sizes[reference]))
+    while True:
+        best: tuple[int, str, Array, list[tuple[str, str]]] | None = None
+        for name in sorted(set(sizes) - set(tied)):
+            pairs = [key for key in fits if name in key and (key[0] in tied or key[1] in tied)]
+            for key in pairs:
+                placed = _placed(name, key, fits[key], tied)
+                agree = [k for k in pairs if _disagreement(fits[k], tied | {name: placed}, k) < bound]
+                support = sum(fits[k].support for k in agree)
+                against = sum(fits[k].support for k in pairs if k not in agree)
+                if support > against and (best is None or support > best[0]):
+                    best = (support, name, placed, agree)
+        if best is None:
+            return tied, agreed
+        _, name, placed, agree = best
+        tied[name] = placed
+        agreed |= {key: fits[key] for key in agree}
+
+
+def _placed(name: str, key: tuple[str, str], fit: PairFit, tied: Mapping[str, Array]) -> Array:
+    """The homography of ``name`` to the reference by way of the other camera of a pair."""
+    a, b = key
+    h = tied[b] @ fit.homography if name == a else tied[a] @ np.linalg.inv(fit.homography)
+    return h / h[2, 2]
+
+
+def _disagreement(fit: PairFit, homographies: Mapping[str, Array], key: tuple[str, str]) -> float:
+    """Median distance in reference pixels between where a pair's two cameras place the same things."""
+    error = apply(homographies[key[0]], fit.kept.a) - apply(homographies[key[1]], fit.kept.b)
+    return float(np.median(np.hypot(*error.T)))
 
 
 def _refine(
@@ -304,11 +328,14 @@ def _diagnosis(
     name: str,
     pairs: Mapping[tuple[str, str], Correspondences],
     fits: Mapping[tuple[str, str], PairFit],
+    homographies: Mapping[str, Array],
     settings: AlignmentSettings,
 ) -> str:
     """Why a camera could not be tied in, in words for a person."""
     own = {(b if a == name else a): matches for (a, b), matches in pairs.items() if name in (a, b)}
     tied = [b if a == name else a for (a, b) in fits if name in (a, b)]
+    if set(tied) & homographies.keys():
+        return f"its matches with {', '.join(sorted(tied))} contradict each other: they may show heads, not the field"
     if tied:
         return f"matches only {', '.join(tied)}, which cannot be tied to the reference camera either"
     if not own:

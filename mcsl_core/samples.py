@@ -5,6 +5,7 @@ Every stage of the analysis iterates the same samples; pictures are BGR, reduced
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import BinaryIO
@@ -79,8 +80,7 @@ class Samples:
         return [i for i, frame in enumerate(self.frames) if frame in piece]
 
     def _read(self, start: int, length: int) -> NDArray[np.uint8]:
-        self._file.seek(start)
-        data = np.frombuffer(self._file.read(length), np.uint8)
+        data = np.frombuffer(os.pread(self._file.fileno(), length, start), np.uint8)  # safe from several threads
         picture = cv2.imdecode(data, cv2.IMREAD_COLOR)
         assert picture is not None, "the sample store was changed by another process"
         return picture  # pyright: ignore[reportReturnType]

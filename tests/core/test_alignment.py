@@ -115,7 +115,7 @@ def test_repeated_static_false_matches_do_not_tie_cameras() -> None:
 def test_matches_in_one_small_spot_do_not_tie_cameras() -> None:
     rng = np.random.default_rng(7)
     a = 300 + rng.uniform(0, 1, (200, 2)) * 60
-    pooled = pool([(a, a + [40, -20], np.ones(200))])
+    pooled = pool([(a, a + np.array([40.0, -20.0]), np.ones(200))])
     assert fit_pair(pooled, SIZE, SIZE, AlignmentSettings()) is None
 
 

@@ -47,12 +47,12 @@ def test_a_plugins_object_is_chosen_by_name() -> None:
 
 
 def test_an_unknown_name_lists_what_there_is() -> None:
-    with pytest.raises(UsageError, match="'nosuch'.*shortest-path, least-occluded, fixed"):
+    with pytest.raises(UsageError, match=r"'nosuch'.*shortest-path, least-occluded, fixed"):
         discover(entry_points=False).choose("selector", "nosuch")
 
 
 def test_two_of_one_name_are_refused_with_both_packages() -> None:
-    with pytest.raises(PluginError, match="mcsl and their-package.*two selector plugins are named 'fixed'"):
+    with pytest.raises(PluginError, match=r"mcsl and their-package.*two selector plugins are named 'fixed'"):
         found(plugin("register_selectors", [Fixed()]))
 
 

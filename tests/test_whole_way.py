@@ -1,0 +1,119 @@
+"""The whole way on simulated recordings, judged by their truth: what the first release promises.
+
+The truth's own functions (`alignment_error`, `best_plane_error`, `visible_field`) come from the simulator's geometry
+and share no code with the analysis.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import attrs
+import numpy as np
+import pytest
+from mcsl_core import edl as document
+from mcsl_core.analysis import AnalysisSettings, analyse
+from mcsl_core.compositor import Compositor
+from mcsl_core.edl import Edl, Override
+from mcsl_core.evaluation import interframe_fidelity, without_alignment
+from mcsl_core.footage import Footage
+from mcsl_core.plugins import discover
+from mcsl_core.progress import Silent
+from mcsl_core.simulation import Scenario, Truth, alignment_error, best_plane_error, simulate
+from mcsl_core.timing import FrameRange
+
+SCENARIOS = {
+    "one movement": Scenario(seed=101, duration_s=36, movements=((16.0, 2.5),)),
+    "two movements, blue drapes": Scenario(
+        seed=102, duration_s=44, movements=((13.0, 2.0), (28.0, 3.0)), drape="blue", skin="medium", size=(640, 360)
+    ),
+    "dark skin, no movement": Scenario(seed=103, duration_s=20, movements=0, skin="dark", size=(640, 360)),
+}
+
+pytestmark = pytest.mark.slow
+
+
+@attrs.frozen
+class Case:
+    truth: Truth
+    edl: Edl
+    path: Path
+
+
+@pytest.fixture(scope="module", params=SCENARIOS, ids=str)
+def case(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Case:
+    folder = tmp_path_factory.mktemp("whole")
+    truth = simulate(SCENARIOS[request.param], folder / "recording", Silent())
+    path = folder / "edl.json"
+    made = analyse(
+        [folder / "recording"], path, settings=AnalysisSettings(), plugins=discover(), progress=Silent()
+    )
+    return Case(truth, made, path)
+
+
+def test_every_movement_is_found_and_no_other(case: Case) -> None:
+    found = [m.range for m in case.edl.movements]
+    assert len(found) == len(case.truth.movements)
+    for (start, stop), piece in zip(case.truth.movements, found, strict=True):
+        # An eased movement's first and last moments are below a pixel; half a second is the promise.
+        assert abs(piece.start - start) <= 15
+        assert abs(piece.stop - stop) <= 15
+
+
+def test_alignment_over_the_field_is_near_the_best_single_planes(case: Case) -> None:
+    assert not any(p.weak for p in case.edl.poses)
+    for index, pose in enumerate(case.truth.poses):
+        solved = case.edl.pose_at(sum(pose.range) // 2)
+        for camera in case.truth.cameras[1:]:
+            error = alignment_error(case.truth, index, camera, np.array(solved.homographies[camera]))
+            assert error <= 1.5 * best_plane_error(case.truth, index, camera), (index, camera)
+
+
+def test_the_perspective_survives_the_movements(case: Case) -> None:
+    """The field's points stay where they were in the programme, to a tenth of what the movement did to them."""
+    assert {p.perspective for p in case.edl.poses} == {0}
+    first = case.truth.poses[0].field_points_px[0]
+    for pose in case.truth.poses[1:]:
+        anchor = np.array(case.edl.pose_at(sum(pose.range) // 2).anchor)
+        points = pose.field_points_px[0]
+        moved = np.column_stack([points, np.ones(len(points))]) @ anchor.T
+        after = np.sqrt(np.mean(((moved[:, :2] / moved[:, 2:] - first) ** 2).sum(axis=1)))
+        before = np.sqrt(np.mean(((points - first) ** 2).sum(axis=1)))
+        assert after <= max(0.012 * case.edl.size[0], 0.1 * before)
+
+
+def test_the_chosen_cameras_see_nearly_what_the_best_would(case: Case) -> None:
+    visible = case.truth.visible_field[: case.edl.frames]
+    chosen = np.concatenate(
+        [np.full(len(s.range), case.truth.cameras.index(s.camera)) for s in case.edl.shots]
+    )[: len(visible)]
+    seen = visible[np.arange(len(visible)), chosen].sum() / visible.max(axis=1).sum()
+    assert seen >= 0.93
+
+
+def test_the_clocks_are_found(case: Case) -> None:
+    for camera, true in zip(case.edl.cameras, case.truth.clocks, strict=True):
+        assert abs(camera.clock.offset_s - true.offset_s) < 0.02, camera.name
+
+
+def test_the_programme_is_steadier_than_without_alignment(case: Case) -> None:
+    def itf(edl: Edl) -> float:
+        footage = Footage(edl.cameras, rate=edl.rate, frames=edl.frames, base=case.path.parent)
+        whole = Compositor(edl, footage).frames(FrameRange(0, edl.frames))
+        return interframe_fidelity(planes.y for planes in whole)
+
+    if len(case.edl.shots) < 2:
+        pytest.fail("this scenario is meant to need a switch")
+    assert itf(case.edl) > itf(without_alignment(case.edl))
+
+
+def test_analysing_again_keeps_the_editors_decisions(case: Case) -> None:
+    other = next(c.name for c in case.edl.cameras if c.name != case.edl.shots[0].camera)
+    wish = Override(FrameRange(10, 60), camera=other, fill=False, note="the hand hides the suture")
+    document.save(attrs.evolve(case.edl, overrides=(wish,)), case.path)
+    again = analyse(
+        [case.path.parent / "recording"], case.path, settings=AnalysisSettings(), plugins=discover(), progress=Silent()
+    )
+    assert again.overrides == (wish,)
+    assert attrs.evolve(again, overrides=()) == case.edl, "the same input gives the same analysis"
+    document.save(case.edl, case.path)
