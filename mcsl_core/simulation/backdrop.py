@@ -13,8 +13,9 @@ from .rig import View
 from .staging import Play
 from .surface import HALF_MM
 
-COARSE = 4
-"""Where rays meet the surface is worked out on every fourth pixel and interpolated between: the surface is smooth."""
+COARSE, COARSE_MOVING = 4, 8
+"""Where rays meet the surface is worked out on every fourth pixel and interpolated between: the surface is smooth. While
+the lamp moves, every eighth does."""
 STEPS = 64
 """Steps from one state of the field to the next: finer ones change no pixel by a whole level."""
 SHUTTER_S = 1 / 60
@@ -66,7 +67,7 @@ class Backdrop:
         looks = []
         for moment in (t - SHUTTER_S / 4, t + SHUTTER_S / 4):
             pose, _ = self._play.path.pose(moment)
-            looks.append(_look(texture, *self._maps(self._play.rig.view(self._camera, pose))))
+            looks.append(_look(texture, *self._maps(self._play.rig.view(self._camera, pose), COARSE_MOVING)))
         return cv2.addWeighted(looks[0], 0.5, looks[1], 0.5, 0)
 
     def _state(self, stage: int) -> NDArray:
@@ -85,16 +86,16 @@ class Backdrop:
         texture[self._ground.cut] = self._field_at(step)
         return texture
 
-    def _maps(self, view: View) -> tuple[NDArray, NDArray]:
+    def _maps(self, view: View, coarse: int = COARSE) -> tuple[NDArray, NDArray]:
         """Where in the ground's map each pixel looks."""
         width, height = self._play.scenario.size
-        columns, rows = -(-width // COARSE), -(-height // COARSE)
-        # cv2.resize puts coarse sample i at pixel COARSE * i + (COARSE - 1) / 2.
-        x = np.arange(columns) * COARSE + (COARSE - 1) / 2
-        y = np.arange(rows) * COARSE + (COARSE - 1) / 2
+        columns, rows = -(-width // coarse), -(-height // coarse)
+        # cv2.resize puts coarse sample i at pixel coarse * i + (coarse - 1) / 2.
+        x = np.arange(columns) * coarse + (coarse - 1) / 2
+        y = np.arange(rows) * coarse + (coarse - 1) / 2
         gx, gy = self._play.surface.meet(view, np.stack(np.meshgrid(x, y), -1))
         scale, shift = 1 / self._ground.pitch_mm, HALF_MM / self._ground.pitch_mm
-        full = (columns * COARSE, rows * COARSE)
+        full = (columns * coarse, rows * coarse)
         mx, my = (cv2.resize(g * scale + shift, full, interpolation=cv2.INTER_LINEAR) for g in (gx, gy))
         return mx[:height, :width], my[:height, :width]
 

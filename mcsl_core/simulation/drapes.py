@@ -73,7 +73,7 @@ def paint_drapes(scenario: Scenario, site: Site, x: NDArray, y: NDArray, pitch: 
     """Colour and fine relief of all cloth; what lies inside the opening is left for the skin."""
     rng = scenario.stream("drapes")
     shape = x.shape
-    base = np.array(COLOURS[scenario.drape], np.float32) * (1 + rng.normal(0, 0.035, 3))
+    base = np.array(COLOURS[scenario.drape], np.float32) * (1 + rng.normal(0, 0.02, 3))
     shades = rng.normal(1.0, 0.05, 5)
     width = rng.uniform(58, 74)
     colour = np.empty((*shape, 3), np.float32)
@@ -99,6 +99,6 @@ def paint_drapes(scenario: Scenario, site: Site, x: NDArray, y: NDArray, pitch: 
     # Blood and fluid that ran over the edge.
     rng = scenario.stream("stains")
     away = -site.opening(x, y)
-    stains = smoothstep(1.6, 3.0, clouds(rng, shape, 26 / pitch, 5, 0.6) + 1.6 * smoothstep(55, 5, away) - 0.7)
+    stains = smoothstep(1.6, 3.0, clouds(rng, shape, 26 / pitch, 5, 0.6) + 2.2 * smoothstep(70, 5, away) - 1.5)
     colour = mix(colour, base * bgr(0.12, 0.12, 0.35) + bgr(0.03, 0.02, 0.24), 0.85 * stains)
     return colour, bump

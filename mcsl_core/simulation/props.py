@@ -63,10 +63,10 @@ def swab(rng: np.random.Generator, pitch: float, across_mm: float) -> Sprite:
 
 def tube(rng: np.random.Generator, pitch: float, material: Material, radius: float) -> tuple[Sprite, float]:
     """A long tube or cable in a lazy curve, to be laid across the drapes."""
-    way = np.linspace(-420, 420, 60)
+    way = np.linspace(-520, 520, 70)
     bend = rng.normal(0, 1, 4)
     y = 28 * bend[0] * np.sin(way / 130 + bend[1]) + 14 * bend[2] * np.sin(way / 61 + bend[3])
-    clay = Clay(-420, y.min() - 8, 420, y.max() + 8, pitch)
+    clay = Clay(-520, y.min() - 8, 520, y.max() + 8, 1.5 * pitch)
     clay.rod(list(np.stack([way, y, np.zeros_like(y)], 1)), radius, material)
     return clay.bake(rng), radius
 

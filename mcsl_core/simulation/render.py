@@ -37,7 +37,7 @@ class CameraPictures:
         # Arms and heads are near the camera and out of focus: they are put together small and enlarged once.
         self._arms = Overlay(self._size, 2)
         self._shades = Overlay(self._size, 8)
-        self._heads = Overlay(self._size, 4 if width >= 1400 else 2)
+        self._heads = Overlay(self._size, 4 if width >= 640 else 2)
         x, y = np.meshgrid(np.linspace(-1, 1, width), np.linspace(-1, 1, height))
         corner = rng.uniform(0.06, 0.16) * (x * x + y * y * (height / width) ** 2) / 1.3
         self._vignette = np.clip(255 * (1 - corner), 0, 255).astype(np.uint8)
@@ -122,12 +122,17 @@ class FieldCount:
         inside = ((whole >= 0) & (whole < size)).all(1)
         self._total = len(px)
         self._x, self._y = whole[inside].T
+        xy = (self._x, self._y)
+        self._box = (*(v.min(initial=1 << 20) for v in xy), *(v.max(initial=-1) for v in xy))
         self._clear = np.ones((2, int(inside.sum())), np.float32)
 
     def hide(self, drawn: tuple[Box, NDArray] | None, scale: int, is_hand: bool) -> None:
         if drawn is None:
             return
         (x0, y0, x1, y1), alpha = drawn
+        left, top, right, bottom = self._box
+        if right < x0 * scale or bottom < y0 * scale or left >= x1 * scale or top >= y1 * scale:
+            return
         x, y = self._x // scale, self._y // scale
         under = (x >= x0) & (x < x1) & (y >= y0) & (y < y1)
         shows = 1 - alpha[y[under] - y0, x[under] - x0] / np.float32(255)

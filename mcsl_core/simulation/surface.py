@@ -92,7 +92,7 @@ class Surface:
     def of(cls, scenario: Scenario) -> Surface:
         site = Site.of(scenario)
         height = relief(scenario, site)
-        return cls(site, height, spread(site, height, 9.0), spread(site, height, 6.0))
+        return cls(site, height, spread(site, height, 9.0), spread(site, height, 7.0))
 
     def height_at(self, x: NDArray, y: NDArray) -> NDArray:
         return sample(self.height_mm, x, y)

@@ -74,7 +74,7 @@ def _skin(scenario, site, x, y, u, v, depth, pitch):
     colour = base * (1 + bgr(0.05, 0.045, 0.02) * mottle[..., None]) * np.ones((*shape, 1), np.float32)
     flush = smoothstep(-0.4, 1.8, waves(rng, shape, 24 / pitch)) * 0.5 + 0.6 * np.exp(-(((depth + 0.1) / 0.35) ** 2))
     colour = mix(colour, base * bgr(0.68, 0.68, 1.0), np.clip(0.6 * flush, 0, 1))
-    iodine = smoothstep(-1.2, 1.6, clouds(rng, shape, 50 / pitch, 4)) * rng.uniform(0.35, 0.85)
+    iodine = smoothstep(-1.2, 1.6, clouds(rng, shape, 50 / pitch, 4)) * rng.uniform(0.25, 0.62)
     colour = colour * (1 - iodine[..., None] * bgr(0.62, 0.34, 0.08))
     pores = waves(rng, shape, 1.1 / pitch) + 0.7 * waves(rng, shape, 2.3 / pitch)
     colour *= (1 + 0.022 * pores)[..., None]
