@@ -20,6 +20,8 @@ def apply(scene: Any, preset: Mapping[str, Any], filepath: str, *, sound: bool) 
     """Sets format, codecs and size. filepath may begin with // (beside the .blend). sound: False writes no track."""
     render = scene.render
     render.resolution_percentage = preset["scale_percent"]
+    render.resolution_x = _even(render.resolution_x, preset["scale_percent"])
+    render.resolution_y = _even(render.resolution_y, preset["scale_percent"])
     image = render.image_settings
     if bpy.app.version >= (5, 0, 0):
         image.media_type = "VIDEO"
@@ -46,3 +48,12 @@ def apply(scene: Any, preset: Mapping[str, Any], filepath: str, *, sound: bool) 
     render.filepath = filepath
     for stamp in STAMPS:
         setattr(render, f"use_stamp_{stamp}", False)
+
+
+def _even(size: int, percent: int) -> int:
+    """The largest size up to ``size`` that is even when delivered: 4:2:0 codecs refuse others. Takes 3 pixels at most
+    off a programme at 50 %, half of them on each side.
+    """
+    while size * percent // 100 % 2:
+        size -= 1
+    return size

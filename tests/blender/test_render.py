@@ -76,6 +76,13 @@ def test_each_preset(project, blender, name, engine):
     assert sorted(p.name for p in project.iterdir() if "part" in p.name) == []
 
 
+@pytest.mark.parametrize("engine", ["blender", "direct"])
+def test_a_size_that_halves_to_an_odd_number(project, blender, engine):
+    edls.save(an_edl(size=(322, 182)), project / "edl.json")
+    render(project / "edl.json", project / "out.mp4", preset="review", engine=engine, blender=blender)
+    assert lumas(project / "out.mp4")[0].shape == (90, 160)
+
+
 def test_both_engines_make_the_same_programme(project, blender):
     turned = ((0.98, -0.12, 14.0), (0.12, 0.98, -12.0), (5e-5, 2e-5, 1.0))
     poses = tuple(attrs.evolve(p, homographies={**p.homographies, "cam2": turned}) for p in an_edl().poses)
