@@ -92,7 +92,7 @@ def cli(ctx: click.Context, progress: str, debug: bool) -> None:
 
 def _stage_options(command: Any) -> Any:
     """--movement NAME, --occlusion NAME, ...: which plugin does each stage."""
-    for stage, (_, _, default) in reversed(STAGES.items()):
+    for stage, (_, _, default) in reversed(list(STAGES.items())):
         command = click.option(f"--{stage}", metavar="NAME", help=f"Plugin for this stage (default: {default}).")(
             command
         )
@@ -219,20 +219,19 @@ def pull(session: Session, blend: Path, out: Path | None, blender: str | None) -
 @click.argument("edl", type=PATH)
 @click.option("-o", "--out", type=PATH, help="Folder of the conformed media (default: EDL's name + .conformed).")
 @click.option("--jobs", default=2, show_default=True, help="Chunks made at the same time.")
-@click.option("--filler", metavar="NAME", help="Plugin that fills empty pixels (default: footprint).")
 @click.option("--prune", is_flag=True, help="Delete chunks that the EDL no longer needs.")
 @click.pass_obj
-def conform(session: Session, edl: Path, out: Path | None, jobs: int, filler: str | None, prune: bool) -> None:
+def conform(session: Session, edl: Path, out: Path | None, jobs: int, prune: bool) -> None:
     """Make the exact full-resolution programme pictures of EDL from the original media."""
     from . import conform as conforming
     from . import edl as document
-    from . import plugins
+    from .plugins import filler_of
 
-    chosen = plugins.discover().choose("filler", filler).implementation
+    decided = document.load(edl)
     folder = out or conforming.default_folder(edl)
     with session.progress() as progress:
         done = conforming.conform(
-            document.load(edl), edl.parent, folder, filler=chosen, jobs=jobs, prune=prune, progress=progress
+            decided, edl.parent, folder, filler=filler_of(decided), jobs=jobs, prune=prune, progress=progress
         )
     session.result(
         {"folder": str(folder), "chunks": len(done.chunks), "made": done.made},
@@ -301,8 +300,13 @@ def blender_group(ctx: click.Context, blender: str | None) -> None:
     """Say which Blender is used, why, and what it lacks."""
     if ctx.invoked_subcommand is None:
         from . import blender as desk
+        from .errors import BlenderError
 
         found = desk.find(blender)
+        state = desk.diagnose(found)
+        if not state.starts:
+            lacks = f"it lacks {', '.join(state.missing)}" if state.missing else state.said
+            raise BlenderError(f"does not start: {lacks}", where=str(found), remedy=state.install)
         ctx.obj.result({"command": list(found.command), "version": found.version, "why": found.why}, str(found))
 
 

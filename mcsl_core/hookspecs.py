@@ -95,9 +95,7 @@ class Centerer(Protocol):
     @property
     def name(self) -> str: ...
 
-    def centre(
-        self, places: Sequence[FieldPlace], *, size: tuple[int, int], rate: float
-    ) -> Sequence[CenteringKey]:
+    def centre(self, places: Sequence[FieldPlace], *, size: tuple[int, int], rate: float) -> Sequence[CenteringKey]:
         """(frame, dx, dy) with rising frames, in programme pixels; ``size`` is the programme's (width, height)."""
         ...
 

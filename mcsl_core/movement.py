@@ -109,9 +109,7 @@ class Stillness:
                 spans.append((int(i), int(i) + 1))
         return spans
 
-    def _time(
-        self, first: int, last: int, coarse: NDArray[np.float64], samples: Samples, footage: Footage
-    ) -> Movement:
+    def _time(self, first: int, last: int, coarse: NDArray[np.float64], samples: Samples, footage: Footage) -> Movement:
         """Start and stop to about ``close_s``: the last frame that matches the view before, the first that matches
         the view after. Each camera says its own; the median counts."""
         step = max(1, round(self.close_s * float(footage.rate)))

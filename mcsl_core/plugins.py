@@ -10,7 +10,9 @@ import pluggy
 from attrs import frozen
 
 from . import __version__, default_plugins
+from .edl import Edl
 from .errors import PluginError, UsageError
+from .filling import Filler
 from .hookspecs import PROJECT, Hooks
 from .stages import STAGES
 
@@ -52,6 +54,19 @@ class Plugins:
             f"there is no {stage} named {name!r}",
             remedy=f"Choose one of {known}, or install the plugin that brings it (`mcsl plugins` lists all)",
         )
+
+
+def filler_of(edl: Edl) -> Filler:
+    """The filler that the EDL was made with, the default's where it does not say.
+
+    UsageError names the package to install where the filler is not here.
+    """
+    made = edl.made_by.plugins.get("filler", "") if edl.made_by else ""
+    name, _, package = made.partition(" (")
+    try:
+        return discover().choose("filler", name or None).implementation
+    except UsageError as error:
+        raise UsageError(error.what, where="the EDL", remedy=f"Install {package.rstrip(')')}") from error
 
 
 def discover(extra: Sequence[tuple[object, str, str]] = (), *, entry_points: bool = True) -> Plugins:

@@ -29,9 +29,7 @@ class ScoreTable:
     def __attrs_post_init__(self) -> None:
         shape = (len(self.frames), len(self.cameras))
         if self.visible.shape != shape or self.usable.shape != shape:
-            raise ValueError(
-                f"visible and usable must be {shape}, got {self.visible.shape} and {self.usable.shape}"
-            )
+            raise ValueError(f"visible and usable must be {shape}, got {self.visible.shape} and {self.usable.shape}")
         if len(self.frames) and (self.frames[0] < 0 or (np.diff(self.frames) <= 0).any()):
             raise ValueError("frames of the samples must rise from 0 or later")
         known = self.visible[~np.isnan(self.visible)]

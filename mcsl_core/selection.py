@@ -35,9 +35,7 @@ def worth(table: ScoreTable, borders: NDArray[np.int64]) -> NDArray[np.float64]:
     return value * np.diff(borders)[:, None]
 
 
-def shots_from(
-    choice: NDArray[np.int64], table: ScoreTable, borders: NDArray[np.int64], why: str
-) -> tuple[Shot, ...]:
+def shots_from(choice: NDArray[np.int64], table: ScoreTable, borders: NDArray[np.int64], why: str) -> tuple[Shot, ...]:
     """Shots from the camera index chosen for every sample; ``why`` may hold {visible} and {next}."""
     starts = np.flatnonzero(np.concatenate([[True], np.diff(choice) != 0]))
     shots = []
@@ -157,8 +155,6 @@ class Fixed:
         """One shot over [0, frames); UsageError when there is no such camera."""
         camera = self.camera or table.cameras[0]
         if camera not in table.cameras:
-            raise UsageError(
-                f"there is no camera {camera!r}", remedy=f"Choose one of {', '.join(table.cameras)}"
-            )
+            raise UsageError(f"there is no camera {camera!r}", remedy=f"Choose one of {', '.join(table.cameras)}")
         choice = np.full(len(table.frames), table.cameras.index(camera), np.int64)
         return shots_from(choice, table, sample_borders(table, frames), "the camera asked for")
