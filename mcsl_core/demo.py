@@ -67,19 +67,14 @@ def alignment_errors(truth: Truth, made: Edl) -> list[dict[str, Any]]:
     The pose of the EDL is the one that holds the middle of the true pose.
     """
     rows = []
-    for index, piece in enumerate(truth.poses):
-        pose = made.pose_at((piece.start + piece.stop) // 2)
+    for index, still in enumerate(truth.poses):
+        pose = made.pose_at(sum(still.range) // 2)
         for camera in truth.cameras:
             if camera != made.reference and camera in pose.homographies:
+                error = alignment_error(truth, index, camera, np.array(pose.homographies[camera]))
+                best = best_plane_error(truth, index, camera)
                 rows.append(
-                    {
-                        "pose": index,
-                        "camera": camera,
-                        "error_px": round(
-                            alignment_error(truth, index, camera, np.array(pose.homographies[camera])), 2
-                        ),
-                        "best_plane_px": round(best_plane_error(truth, index, camera), 2),
-                    }
+                    {"pose": index, "camera": camera, "error_px": round(error, 2), "best_plane_px": round(best, 2)}
                 )
     return rows
 
@@ -94,6 +89,8 @@ def _text(places: dict[str, Path], made: Edl, truth: Truth, errors: list[dict[st
         lines.append(
             f"alignment error over the field: {mean:.1f} px; the best single plane's for this relief: {best:.1f} px"
         )
-    true = ", ".join(f"{m.start / float(truth.rate):.1f}-{m.stop / float(truth.rate):.1f} s" for m in truth.movements)
+    true = ", ".join(
+        f"{start / float(truth.rate):.1f}-{stop / float(truth.rate):.1f} s" for start, stop in truth.movements
+    )
     lines.append(f"true movements: {true or 'none'}")
     return "\n".join(lines)

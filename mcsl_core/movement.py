@@ -102,11 +102,11 @@ class Stillness:
     ) -> list[tuple[int, int]]:
         """(first, last) positions of samples between which the lamp moves; neighbours closer than a pause joined."""
         spans: list[tuple[int, int]] = []
-        for i in np.flatnonzero(coarse < self.still):
+        for i in np.flatnonzero(coarse < self.still).tolist():
             if spans and frames[i] - frames[spans[-1][1]] <= join_frames:
-                spans[-1] = (spans[-1][0], int(i) + 1)
+                spans[-1] = (spans[-1][0], i + 1)
             else:
-                spans.append((int(i), int(i) + 1))
+                spans.append((i, i + 1))
         return spans
 
     def _time(self, first: int, last: int, coarse: NDArray[np.float64], samples: Samples, footage: Footage) -> Movement:

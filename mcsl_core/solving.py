@@ -239,7 +239,7 @@ def _field_in(scene: Scene, camera: str, shape: tuple[int, int]) -> Mask:
     """The hull of the scene's field in a reduced picture (rows, columns) of ``camera``: hands and instruments cut
     holes into the field's colour, but what lies between is the field too."""
     outline = cv2.convexHull(np.argwhere(scene.field)[:, ::-1].astype(np.float32)).reshape(-1, 2)
-    back = np.linalg.inv(scene.warp_of(camera, (shape[1], shape[0])))
+    back: Array = np.asarray(np.linalg.inv(scene.warp_of(camera, (shape[1], shape[0]))), np.float64)
     mask = np.zeros(shape, np.uint8)
     cv2.fillConvexPoly(mask, np.round(apply(back, outline.astype(np.float64))).astype(np.int32), 1)
     return mask > 0
