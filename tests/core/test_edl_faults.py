@@ -187,6 +187,10 @@ WRONG = [
     ("$.frames", 0, None, "must be 1 or more, got 0", True),
     ("$.frames", 99, "$.poses", "poses must tile [0, 99): they end at frame 100", False),
     ("$.size[1]", -2, None, "must be 1 or more, got -2", True),
+    ("$.size[1]", True, None, "expected a whole number, got true", True),
+    ("$.size[1]", 1080.0, None, "expected a whole number, got 1080.0", False),  # to JSON Schema 1080.0 is whole
+    ("$.shots[0].score", True, None, "expected a number, got true", True),
+    ("$.shots[0].camera", 1, None, "expected a text, got 1", True),
     ("$.size", [1, 2, 3], None, "expected 2 values, got 3", True),
     ("$.rate", "0/1", None, "a rate must be positive", False),
     ("$.rate", "30/0", None, "expected a rate such as '30000/1001'", False),

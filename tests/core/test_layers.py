@@ -23,11 +23,11 @@ FLOORS: dict[int, set[str]] = {
         *("images", "media", "video", "playhead", "sampling", "sound", "recording", "footage"),  # reading
         *("samples", "scene", "scores"),  # values that pass between stages
     },
-    2: {"movement", "features", "alignment", "occlusion", "selection", "centering", "filling", "colour"},
+    2: {"sync", "movement", "features", "alignment", "occlusion", "selection", "centering", "filling", "colour"},
     3: {"compositor", "hookspecs", "stages", "default_plugins", "plugins"},
     4: {
         *("solving", "analysis", "evaluation", "contact", "simulation", "demo"),
-        *("blender", "blender_child", "timeline", "presets"),
+        *("conform", "programme_sound", "blender", "blender_child", "timeline", "presets", "rendering"),
     },
     5: {"console", "cli"},
 }
@@ -35,7 +35,7 @@ STAGES = 2  # the floor on which modules do not import each other: values pass b
 
 # Of the add-on, what runs anywhere and what needs Blender.
 ADDON_PURE = {"__init__", "plan", "readback", "similarity", "background"}
-ADDON_BPY = {"output", "strips", "tasks"}
+ADDON_BPY = {"operators", "output", "panels", "scenes", "strips", "tasks"}
 
 # Third-party packages with a home: nobody else imports them.
 HOMES = {"av": {"video"}, "click": {"cli"}, "rich": {"cli", "console"}, "pluggy": {"hookspecs", "plugins"}}
