@@ -14,8 +14,8 @@ from .staging import Play
 from .surface import HALF_MM
 
 COARSE, COARSE_MOVING = 4, 8
-"""Where rays meet the surface is worked out on every fourth pixel and interpolated between: the surface is smooth. While
-the lamp moves, every eighth does."""
+"""Where rays meet the surface is worked out on every fourth pixel and interpolated between: the surface is smooth.
+While the lamp moves, every eighth does."""
 STEPS = 64
 """Steps from one state of the field to the next: finer ones change no pixel by a whole level."""
 SHUTTER_S = 1 / 60
