@@ -28,7 +28,9 @@ REACH_MM = 200.0
 
 
 def glove_material(scenario: Scenario) -> Material:
-    return Material(GLOVES[scenario.gloves], gloss=0.3, hardness=26, rough_mm=0.28, rough_length_mm=15, mottle=0.02)
+    return Material(
+        GLOVES[scenario.gloves], gloss=0.3, hardness=26, rough_mm=0.28, rough_length_mm=15, mottle=0.02, soft_mm=1.7
+    )
 
 
 def gown_material(scenario: Scenario) -> Material:
@@ -57,7 +59,7 @@ def hand(scenario: Scenario, worker: int, kind: int, grip: float, left: bool, pi
     if kind == 0:
         tools.forceps(clay, turn, tip, wide, 0.42)
     elif kind == 1:
-        tools.ringed(clay, turn, tip, jaw=20, length=172, open_deg=1.5 + 4 * grip, slope=0.36)
+        tools.ringed(clay, turn, tip, jaw=20, length=172, open_deg=1.5 + 4 * grip, slope=0.12)
     else:
         tools.sucker(clay, turn, tip, PLASTIC)
 

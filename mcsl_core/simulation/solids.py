@@ -29,6 +29,8 @@ class Material:
     mirror: float = 0.0
     """How much of its surroundings it mirrors: steel."""
     ribs_mm: float = 0.0
+    soft_mm: float = 0.0
+    """How far its shapes flow into each other: skin over joints."""
     weave: float = 0.0
 
 
@@ -151,6 +153,16 @@ class Clay:
         self.z, self.part = self.z[y0:y1, x0:x1], self.part[y0:y1, x0:x1]
         self.left, self.top = self.left + x0 * self.pitch, self.top + y0 * self.pitch
 
+    def _soften(self) -> None:
+        for index, stuff in enumerate(self.materials, 1):
+            if stuff.soft_mm:
+                at = (self.part == index).astype(np.float32)
+                sigma = stuff.soft_mm / self.pitch
+                share = cv2.GaussianBlur(at, (0, 0), sigma)
+                mean = cv2.GaussianBlur(self.z * at, (0, 0), sigma) / np.maximum(share, 1e-3)
+                # Near an edge there is too little around to take a mean of.
+                self.z += smoothstep(0.5, 1.0, share) * at * (mean - self.z)
+
     def bake(self, rng: np.random.Generator, stain: tuple | None = None) -> Sprite:
         """Light falls on it; ``stain`` is (x, y, radius) in mm of a place that is bloody."""
         self._trim()
@@ -181,6 +193,7 @@ class Clay:
             far = np.hypot(x - stain[0], y - stain[1]) / stain[2]
             bloody = smoothstep(0.55, -0.35, far - 0.6 + 0.22 * clouds(rng, shape, 14 / pitch, 4))
             albedo = mix(albedo, (0.03, 0.025, 0.34), 0.8 * bloody)
+        self._soften()
         height = np.where(solid, self.z, np.float32(np.min(self.z[solid], initial=0.0) - 1.0))
         n = normals(cv2.GaussianBlur(height + bump, (0, 0), 0.3 / pitch), pitch)
         light = 0.30 + 0.62 * lambert(n, (0.25, -0.2, 1.0)) + 0.13 * lambert(n, (-0.8, 0.5, 0.5))
