@@ -99,6 +99,7 @@ class _Listener:
         self._cameras, self._base = {c.name: c for c in cameras}, base
         self._footage = Footage(cameras, rate=Fraction(1), frames=1, base=base)
         self._loudness: dict[tuple[str, float], Floats] = {}
+        self._windows: dict[tuple[str, float], NDArray[np.float32]] = {}
 
     def hears(self, camera: str) -> bool:
         return any(part.facts.has_audio for part in self._footage.parts(camera))
@@ -170,7 +171,9 @@ class _Listener:
         self, both: Footage, reference: str, camera: str, start: float, expected: float, reach_s: float
     ) -> float | None:
         """Seconds by which ``camera`` is late at programme time ``start``; NaN if unclear, None without sound."""
-        a = both.audio(reference, start, start + FINE_S, RATE)
+        a = self._windows.get((reference, start))
+        if a is None:
+            a = self._windows[reference, start] = both.audio(reference, start, start + FINE_S, RATE)
         b = both.audio(camera, start + expected, start + expected + FINE_S, RATE)
         if min(a.std(), b.std()) < 1e-5:
             return None
@@ -189,14 +192,14 @@ def _along(found: Sequence[tuple[float, float]], start: float) -> float:
 
 def loudness_of(blocks) -> Floats:
     """(3, n): log energy of three bands every 10 ms, less its mean over two seconds; 0 where there is no sound."""
-    filters = [signal.butter(4, band, "bandpass", fs=RATE, output="sos") for band in BANDS_HZ]
+    filters: list[Any] = [signal.butter(4, band, "bandpass", fs=RATE, output="sos") for band in BANDS_HZ]
     states = [np.zeros((len(sos), 2)) for sos in filters]
     rows: list[Floats] = []
     left: Floats = np.zeros(0)
     for block in blocks:
-        sound = np.concatenate([left, block.astype(np.float64)])
-        whole = len(sound) // HOP * HOP
-        sound, left = sound[:whole], sound[whole:]
+        joined = np.concatenate([left, np.asarray(block, np.float64)])
+        whole = len(joined) // HOP * HOP
+        sound, left = joined[:whole], joined[whole:]
         energies = []
         for index, sos in enumerate(filters):
             filtered: Any = signal.sosfilt(sos, sound, zi=states[index])
