@@ -18,7 +18,6 @@ CAMERAS = ("cam1", "cam2", "cam3")
 
 def small_edl(frames: int = 300, **fields) -> Edl:
     """Three cameras, reference cam1, one pose; shots cam1 [0,100), cam2 [100,200), cam3 [200,300)."""
-    third = frames // 3
     given = {
         "rate": Fraction(30),
         "size": (320, 180),
@@ -28,12 +27,10 @@ def small_edl(frames: int = 300, **fields) -> Edl:
             Camera(name, (Media(f"{name}.mp4", frames),), size=(320, 180), rate=Fraction(30)) for name in CAMERAS
         ),
         "poses": (Pose(R(0, frames), dict.fromkeys(CAMERAS, IDENTITY)),),
-        "shots": (
-            Shot(R(0, third), "cam1"),
-            Shot(R(third, 2 * third), "cam2"),
-            Shot(R(2 * third, frames), "cam3"),
-        ),
     }
+    if "shots" not in fields:
+        ends = (0, frames // 3, 2 * frames // 3, frames)
+        given["shots"] = tuple(Shot(R(a, b), name) for a, b, name in zip(ends, ends[1:], CAMERAS, strict=False))
     return Edl(**{**given, **fields})
 
 

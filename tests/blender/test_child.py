@@ -101,3 +101,11 @@ def test_the_users_settings_play_no_part(built, blender, tmp_path, monkeypatch):
     monkeypatch.setenv("BLENDER_USER_RESOURCES", str(tmp_path / "user"))
     monkeypatch.setenv("PYTHONPATH", str(config))
     assert run(blender, {"task": "read", "blend": str(built)})["changed"] is False
+
+
+def test_a_render_that_stops_short_is_an_error(built, blender, tmp_path):
+    """A codec that takes no such size writes no file; Blender itself may end such a render without a word."""
+    request = render_request(built, tmp_path / "nowhere" / "out.mp4")
+    (tmp_path / "nowhere").write_text("a file where a folder is needed")
+    with pytest.raises(BlenderError):
+        run(blender, request)

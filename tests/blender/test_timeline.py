@@ -9,8 +9,9 @@ import pytest
 from conftest import FRAMES, LIGHT, R, an_edl, in_blender
 
 from mcsl_core import edl as edls
+from mcsl_core.blender_child import run
 from mcsl_core.edl import IDENTITY, Override
-from mcsl_core.errors import InputError, UsageError
+from mcsl_core.errors import BlenderError, InputError, UsageError
 from mcsl_core.timeline import build, pull
 
 LISTING = """
@@ -140,3 +141,36 @@ def test_a_weak_camera_stands_upright_and_whole(project, blender):
     build(project / "edl.json", project / "edit.blend", blender=blender)
     code = "t = at(3, 0).transform; out = [t.scale_x, t.scale_y, t.rotation, t.offset_x, t.offset_y]"
     assert in_blender(blender, project / "edit.blend", code, save=False) == [2, 2, 0, 0, 0]
+
+
+def test_two_timelines_in_one_file_and_a_newer_schema_are_refused(built, blender):
+    in_blender(blender, built, "scene.copy().use_fake_user = True")
+    with pytest.raises(InputError, match=r"holds 2 scenes \(.*\) with an mcsl timeline"):
+        pull(built, blender=blender)
+    in_blender(
+        blender,
+        built,
+        'bpy.data.scenes.remove(bpy.data.scenes[-1]); bpy.data.scenes[0]["mcsl"] = "mcsl.timeline/9"',
+    )
+    with pytest.raises(InputError, match=r"schema 'mcsl\.timeline/9', this mcsl reads"):
+        pull(built, blender=blender)
+
+
+def test_a_conformed_file_of_the_wrong_length_is_refused(project, blender):
+    request = {
+        "task": "timeline",
+        "edl": str(project / "edl.json"),
+        "blend": str(project / "edit.blend"),
+        "conformed": [{"range": [0, 50], "path": str(project / "cam3.mp4")}],
+        "sound": None,
+        "preset": None,
+    }
+    with pytest.raises(BlenderError, match=r"cam3\.mp4: has 60 frames, 50 belong there"):
+        run(blender, request)
+
+
+def test_a_reference_without_sound_makes_a_silent_timeline(project, blender):
+    edls.save(attrs.evolve(an_edl(), reference="cam3"), project / "edl.json")
+    build(project / "edl.json", project / "edit.blend", blender=blender)
+    code = "out = [[s.name for s in strips if s.type == 'SOUND'], scene.render.ffmpeg.audio_codec]"
+    assert in_blender(blender, project / "edit.blend", code, save=False) == [[], "NONE"]
