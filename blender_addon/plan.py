@@ -119,6 +119,7 @@ class StripPlan:
     conformed: tuple[ConformedPiece, ...]
     markers: tuple[MarkerPlan, ...]
     automatic: tuple[tuple[FrameRange, str], ...]
+    notes: tuple[str, ...] = ()
 
 
 def make_plan(edl: Edl, conformed: Iterable[ConformedPiece] = (), sound: str | None = None) -> StripPlan:
@@ -147,6 +148,12 @@ def make_plan(edl: Edl, conformed: Iterable[ConformedPiece] = (), sound: str | N
         conformed=tuple(sorted(conformed, key=lambda piece: piece.range)),
         markers=_markers(edl),
         automatic=automatic_cameras(edl),
+        notes=tuple(
+            f"{c.name} runs at {float(c.rate):.3f} frames/s, the programme at {float(edl.rate):.3f}: "
+            "its strips drift from the sound until the stretch is conformed"
+            for c in order
+            if c.rate != edl.rate
+        ),
     )
 
 

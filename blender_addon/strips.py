@@ -58,7 +58,7 @@ def build(scene: Any, plan: StripPlan, base: Path) -> list[str]:
     """
     _settings(scene, plan)
     scene.sequence_editor_create()
-    notes = []
+    notes = list(plan.notes)
     for track in plan.cameras:
         notes.extend(_camera(scene, plan, track, base))
     notes.extend(_decided(scene, plan, base))

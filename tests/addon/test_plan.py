@@ -73,6 +73,12 @@ def test_files_follow_one_another_and_never_overlap():
     assert files[1].pieces[-1].range == R(100, 199)
 
 
+def test_a_camera_of_another_rate_is_told_of():
+    assert make_plan(small_edl()).notes == ()
+    [note] = make_plan(with_camera(rate=Fraction(25))).notes
+    assert note.startswith("cam2 runs at 25.000 frames/s, the programme at 30.000")
+
+
 def test_camera_strips_are_split_at_poses_and_leave_gaps_out():
     poses = (Pose(R(0, 120), dict.fromkeys(CAMERAS, IDENTITY)), Pose(R(120, 300), dict.fromkeys(CAMERAS, IDENTITY)))
     edl = attrs.evolve(with_camera(gaps=(R(50, 60), R(110, 130))), poses=poses)
