@@ -185,6 +185,12 @@ def test_a_document_without_a_schema_is_refused():
         from_json({"frames": 3})
 
 
+def test_reading_changes_nothing_that_was_handed_in():
+    value = to_json(small())
+    from_json(value)
+    assert value == to_json(small())
+
+
 @pytest.mark.parametrize("value", [None, 3, [], "edl"])
 def test_what_is_no_object_is_refused(value):
     with pytest.raises(DocumentError, match="an EDL is a JSON object"):
