@@ -228,6 +228,8 @@ def coarse_lag(reference: Floats, other: Floats) -> tuple[float, float]:
     size = min(size, max(300, length // 3))
     if min(length, other.shape[1]) < 300:
         raise _Refusal("their sound is shorter than 3 s")
+    if min(reference.std(), other.std()) < 1e-3:
+        raise _Refusal("one of them is silent")
     starts = np.unique(
         np.linspace(0, max(0, length - size), min(24, 1 + 2 * max(0, length - size) // size)).astype(int)
     )

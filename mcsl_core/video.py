@@ -268,8 +268,6 @@ class VideoReader:
         if held is None:
             return
         for picture in pictures:
-            if picture[0] <= held[0]:
-                continue
             if held[0] > goal or picture[0] > goal:
                 yield held
             held = picture

@@ -100,6 +100,8 @@ def test_the_reference_passes_bit_for_bit(tmp_path):
     edl = make(tmp_path)
     for planes in compose(edl, tmp_path):
         assert_same(planes, bgr_to_planes(texture(0)))
+    planes = bgr_to_planes(texture(0))
+    assert warp_planes(planes, np.eye(3) * 2, Rect(0, 0, *SIZE)) is planes  # not resampled by luck
 
 
 @pytest.mark.parametrize(

@@ -205,6 +205,19 @@ def test_a_stopped_run_leaves_whole_chunks_only(sources, tmp_path):
     assert [n for chunk in done.chunks for n in shown(done.path(chunk))] == EXPECTED
 
 
+def test_stopping_does_not_wait_for_the_chunk_to_end(sources, tmp_path, monkeypatch):
+    class Slow(ReferenceFiller):
+        def fill(self, view):
+            time.sleep(0.02)
+            return view.front
+
+    monkeypatch.setattr(conforming, "CHUNK_S", 100)
+    edl = make(look=Look(False, True, False))
+    with pytest.raises(Cancelled):
+        conform(edl, sources, tmp_path, filler=Slow(), jobs=2, progress=StopsAfter(0))
+    assert not list(tmp_path.glob("*.mp4"))
+
+
 def test_a_killed_run_loses_what_it_was_at(sources, tmp_path):
     out = tmp_path / "out"
     document.save(make(), sources / "edl.json")

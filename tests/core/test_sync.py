@@ -102,6 +102,8 @@ def test_strangers_silence_and_films_without_sound_are_refused_with_the_reason(t
     assert [c.method for c in clocks] == ["audio", "none", "none", "none"]
     assert all(c.confidence == 0 and c.offset_s == 0 for c in clocks[1:])
     assert [n.split(" ")[0] for n in progress.notes] == ["stranger", "quiet", "mute"]
+    assert "nothing in their sound fits together" in progress.notes[0]
+    assert "silent" in progress.notes[1]
     assert "mute has no sound" in progress.notes[2]
 
 

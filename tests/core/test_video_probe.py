@@ -60,6 +60,24 @@ def test_sound_rotation_and_aspect(tmp_path):
     assert facts.size == (144, 342)  # 256 * 4/3 = 341.3, then upright
 
 
+def test_a_cover_picture_is_not_the_film(tmp_path):
+    path = write_coded(tmp_path / "a.mp4", range(10))
+    with av.open(str(path)) as film, av.open(str(tmp_path / "b.mp4"), "w") as both:
+        cover = both.add_stream("mjpeg", rate=1)
+        cover.width, cover.height, cover.pix_fmt = 800, 600, "yuvj420p"
+        cover.disposition = av.stream.Disposition.attached_pic
+        copy = both.add_stream_from_template(film.streams.video[0])
+        picture = av.VideoFrame.from_ndarray(np.zeros((600, 800, 3), np.uint8), format="bgr24")
+        both.mux(cover.encode(picture.reformat(format="yuvj420p")))
+        both.mux(cover.encode(None))
+        for packet in film.demux(video=0):
+            if packet.dts is not None:
+                packet.stream = copy
+                both.mux(packet)
+    facts = probe(tmp_path / "b.mp4")
+    assert (facts.codec, facts.size, facts.frames) == ("h264", SIZE, 10)
+
+
 def test_truncated_files_are_named_and_used_as_far_as_they_go(tmp_path):
     whole = write_coded(tmp_path / "w.mp4", range(300), container_options={"movflags": "faststart"})
     part = tmp_path / "part.mp4"
