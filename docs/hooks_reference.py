@@ -44,9 +44,10 @@ def find(name: str, module: str) -> Described | None:
     for node in module_ast(module).body:
         if isinstance(node, ast.ClassDef) and node.name == name:
             return Described(node, module)
-        comes_from = node.module if isinstance(node, ast.ImportFrom) and node.level == 1 else None
-        if comes_from and any((alias.asname or alias.name) == name for alias in node.names):
-            return find(name, comes_from)
+        if not isinstance(node, ast.ImportFrom) or node.level != 1 or not node.module:
+            continue
+        if any((alias.asname or alias.name) == name for alias in node.names):
+            return find(name, node.module)
     return None
 
 
