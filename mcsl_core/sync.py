@@ -16,7 +16,7 @@ from typing import Any
 import attrs
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
+from scipy import ndimage, signal
 
 from .edl import Camera, Clock
 from .errors import UsageError
@@ -211,8 +211,7 @@ def loudness_of(blocks) -> Floats:
     energy = np.concatenate(rows, axis=1)
     floor = max(1e-10, float(np.median(energy)) * 1e-2)
     level = np.log(energy + floor)
-    kernel = np.ones(200) / 200
-    smooth = np.stack([np.convolve(row, kernel, "same") for row in level]) if level.shape[1] > 200 else 0
+    smooth = ndimage.uniform_filter1d(level, 200, axis=1, mode="nearest")
     return np.clip(level - smooth, -3, 3)
 
 
