@@ -7,10 +7,11 @@ import signal
 import subprocess
 import threading
 import time
+from pathlib import Path
 
 import pytest
 
-from mcsl_core import presets
+from mcsl_core import blender_child, presets
 from mcsl_core.blender_child import run
 from mcsl_core.errors import BlenderError, Cancelled, InputError
 from mcsl_core.progress import CancelToken, Silent
@@ -95,12 +96,30 @@ def test_a_refusal_keeps_its_kind_place_and_remedy(blender, tmp_path):
 
 
 def test_the_users_settings_play_no_part(built, blender, tmp_path, monkeypatch):
-    config = tmp_path / "user" / "scripts" / "startup"
-    config.mkdir(parents=True)
-    (config / "mine.py").write_text("raise SystemExit('the user was here')")
+    for folder in (tmp_path / "user" / "scripts" / "startup", tmp_path / "packages"):
+        folder.mkdir(parents=True)
+        for name in ("mine.py", "sitecustomize.py"):
+            (folder / name).write_text(f"open({str(tmp_path / 'the user was here')!r}, 'w')")
     monkeypatch.setenv("BLENDER_USER_RESOURCES", str(tmp_path / "user"))
-    monkeypatch.setenv("PYTHONPATH", str(config))
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "packages"))
     assert run(blender, {"task": "read", "blend": str(built)})["changed"] is False
+    assert not (tmp_path / "the user was here").exists()
+
+
+def test_the_child_searches_blenders_own_packages_first(blender, tmp_path, monkeypatch):
+    """A probe in the place of the add-on tells what the child sees; our numpy lies on the paths it is given."""
+    package = tmp_path / "blender_addon"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "tasks.py").write_text(
+        "import sys, numpy\nTASKS = {'look': lambda request, progress: {'path': sys.path, 'numpy': numpy.__file__}}\n"
+    )
+    ours = blender_child.search_paths()
+    monkeypatch.setattr(blender_child, "search_paths", lambda: [str(tmp_path), *ours])
+    seen = run(blender, {"task": "look"})
+    assert str(blender_child.script().parent) not in seen["path"]
+    assert seen["path"][-len(ours) :] == ours
+    assert Path(seen["numpy"]).parents[1] not in [Path(p) for p in ours]
 
 
 def test_a_render_that_stops_short_is_an_error(built, blender, tmp_path):

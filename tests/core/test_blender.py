@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
+import time
+from pathlib import Path
 
 import pytest
 
 from mcsl_core import blender
 from mcsl_core.blender_child import run
-from mcsl_core.errors import BlenderError
+from mcsl_core.errors import BlenderError, Cancelled
+from mcsl_core.progress import Silent
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="the stand-ins are shell scripts")
 
@@ -145,6 +149,31 @@ def test_a_child_that_lacks_a_library_is_told_apart_from_a_crash(tmp_path):
     other = blender.Blender("module", (str(program(tmp_path / "other", "boom", 3)),), "5.0.1", "a test")
     with pytest.raises(BlenderError, match=r"ended with code 3 and no answer; its last words:\nboom"):
         run(other, {"task": "read", "blend": "edit.blend"})
+
+
+def test_a_cancel_ends_a_silent_child_and_what_it_started(tmp_path):
+    lazy = tmp_path / "lazy"
+    lazy.write_text(f"#!/bin/sh\n/bin/sleep 30 &\necho $! > {tmp_path / 'pid'}\nwait\n")
+    lazy.chmod(0o755)
+    progress = Silent()
+
+    def cancel_when_started():
+        while not (tmp_path / "pid").exists() or not (tmp_path / "pid").read_text().strip():
+            time.sleep(0.02)
+        progress.token.cancel()
+
+    threading.Thread(target=cancel_when_started, daemon=True).start()
+    begun = time.monotonic()
+    with pytest.raises(Cancelled):
+        run(blender.Blender("module", (str(lazy),), "5.0.1", "a test"), {"task": "read"}, progress)
+    assert time.monotonic() - begun < 20
+    grandchild = Path("/proc") / (tmp_path / "pid").read_text().strip() / "stat"
+    for _ in range(100):  # killed, it may wait a moment to be buried
+        if not grandchild.exists() or grandchild.read_text().split()[2] == "Z":
+            break
+        time.sleep(0.02)
+    else:
+        pytest.fail("the grandchild still runs")
 
 
 def test_a_failed_install_leaves_nothing(tmp_path, monkeypatch):
