@@ -246,6 +246,13 @@ def pytest(environment: Environment, *arguments: str) -> list[str]:
     return ["pytest"] if environment.call("-m", "pytest", *arguments) else []
 
 
+def which_tests(arguments: list[str]) -> list[str]:
+    """``arguments`` for pytest; all tests where they name no file or folder of tests."""
+    if any((ROOT / argument.split("::")[0]).exists() for argument in arguments if not argument.startswith("-")):
+        return arguments
+    return [*all_tests(), *arguments]
+
+
 def all_tests() -> list[str]:
     return ["tests", *(str(f.parent / "tests") for f in plugin_projects() if (f.parent / "tests").is_dir())]
 
@@ -270,9 +277,9 @@ def run(command: str, arguments: list[str]) -> int:
     elif command == "lint":
         failed = lint(environment)
     elif command == "test":
-        failed = [*lint(environment), *pytest(environment, *all_tests(), *arguments)]
+        failed = [*lint(environment), *pytest(environment, *which_tests(arguments))]
     elif command == "fast":
-        failed = pytest(environment, *all_tests(), "-m", "not slow and not blender", *arguments)
+        failed = pytest(environment, "-m", "not slow and not blender", *which_tests(arguments))
     elif command == "addon":
         failed = pytest(environment, "tests/addon", "tests/blender", *arguments)
     if failed:

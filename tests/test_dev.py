@@ -336,6 +336,8 @@ def test_every_check_runs_and_those_that_fail_are_named_at_the_end(project):
         "generate --check",
         f"pytest tests {plugin / 'tests'} -k edl",
     ]
+    quick = project.dev("fast", "plugins/one/tests::that")
+    assert "pytest -m not slow and not blender plugins/one/tests::that\n" in quick.stdout, "only what is named"
 
 
 def test_ci_uses_fresh_environments_and_takes_them_away(project, tmp_path):
