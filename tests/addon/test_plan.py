@@ -46,7 +46,8 @@ def test_the_reference_camera_is_nearest_the_programme():
 @pytest.mark.parametrize(
     ("offset_s", "rate", "start"),
     [
-        (0.1, RATE, 3),  # 0.1 * 30 is 3.0000000000000004 in floats
+        (0.1, RATE, 3),
+        (31 / 30, RATE, 31),  # times 30 it is 31.000000000000004 in floats
         (0.101, RATE, 4),
         (-0.1, RATE, -3),
         (100 * 1001 / 30000, Fraction(30000, 1001), 100),

@@ -14,7 +14,8 @@ from conftest import FRAMES, RATE, R, an_edl, ground_of, in_blender, number_of
 from mcsl_core import edl as edls
 from mcsl_core import presets
 from mcsl_core.edl import Override
-from mcsl_core.errors import InputError, UsageError
+from mcsl_core.errors import Cancelled, InputError, UsageError
+from mcsl_core.progress import Silent
 from mcsl_core.rendering import render
 
 BT709, LIMITED = 1, 1  # ITU-T H.273
@@ -216,5 +217,23 @@ def test_a_render_that_fails_leaves_the_old_video(project, blender):
     (project / "cam2.mp4").unlink()
     with pytest.raises(InputError, match=r"cam2\.mp4"):
         render(project / "edl.json", out, preset="review", blender=blender)
+    assert out.read_bytes() == b"the old one"
+    assert not [p for p in project.iterdir() if "part" in p.name]
+
+
+def test_a_render_that_is_stopped_leaves_the_old_video_and_no_part(project, blender):
+    class Impatient(Silent):
+        def advance(self, done):
+            if self.rendering:
+                self.token.cancel()
+            self.token.check()
+
+        def stage(self, name, total=None, unit=""):
+            self.rendering = name == "render"
+
+    out = project / "out.mp4"
+    out.write_bytes(b"the old one")
+    with pytest.raises(Cancelled):
+        render(project / "edl.json", out, preset="review", blender=blender, progress=Impatient())
     assert out.read_bytes() == b"the old one"
     assert not [p for p in project.iterdir() if "part" in p.name]

@@ -34,6 +34,15 @@ def test_an_own_file_is_taken_by_its_path(tmp_path):
     assert presets.load(str(path)).scaled((1920, 1080)) == (480, 270)
 
 
+def test_a_prores_profile_goes_with_prores_only(tmp_path):
+    value = json.loads((presets.folder() / "prores.json").read_text())
+    value["blender"]["prores_profile"] = ""
+    path = tmp_path / "mine.json"
+    path.write_text(json.dumps(value))
+    with pytest.raises(DocumentError, match="prores_profile belongs to codec 'PRORES'"):
+        presets.load(path)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
