@@ -199,12 +199,17 @@ def align(
         fit = fit_pair(matches, sizes[a], sizes[b], settings)
         if fit is not None:
             fits[a, b] = fit
-    tied, agreed = _tie(fits, sizes, reference, settings)
-    homographies = _refine(agreed, tied, reference, sizes)
-    residual, support = {}, {}
-    for name in homographies:
-        if name != reference:
-            residual[name], support[name] = _quality(name, agreed, homographies)
+    trusted = set(names)
+    while True:
+        possible = {pair: fit for pair, fit in fits.items() if trusted.issuperset(pair)}
+        tied, agreed = _tie(possible, sizes, reference, settings)
+        homographies = _refine(agreed, tied, reference, sizes)
+        quality = {n: _quality(n, agreed, homographies) for n in homographies if n != reference}
+        worst = max(quality, key=lambda n: quality[n][0], default=None)
+        if worst is None or quality[worst][0] <= settings.relief * float(np.hypot(*sizes[reference])):
+            break
+        trusted.remove(worst)  # farther off than any relief: its pairs agree in no one plane
+    residual, support = ({n: q[i] for n, q in sorted(quality.items())} for i in (0, 1))
     weak = tuple(
         Weak(name, _diagnosis(name, pairs, fits, homographies, settings)) for name in names if name not in homographies
     )
@@ -277,10 +282,11 @@ def _refine(
     start = {n: scale @ homographies[n] @ np.linalg.inv(own[n]) for n in homographies}
     x0 = np.concatenate([(start[n] / start[n][2, 2]).ravel()[:8] for n in free])
     terms = []
+    total = sum(float(kept.weight.sum()) for _, _, kept in used)
     for a, b, kept in used:
         direct = reference in (a, b)
-        # The reference's pairs say where a pixel belongs; the others only keep the cameras consistent.
-        weight = np.sqrt(kept.weight / kept.weight.sum() * (1.0 if direct else 0.25))
+        # The reference's pairs say where a pixel belongs; the others keep the cameras consistent.
+        weight = np.sqrt(kept.weight / total * (1.0 if direct else 0.5))
         terms.append((a, b, apply(own[a], kept.a), apply(own[b], kept.b), np.concatenate([weight, weight])))
 
     def place(x: Array, name: str, points: Array) -> Array:
@@ -297,9 +303,10 @@ def _refine(
         return np.concatenate(parts)
 
     at_start = residuals(x0)
-    # Huber beyond the usual relief: 1 % of the width, in the units that the weights give the residuals.
-    typical = float(np.median([w.mean() for *_, w in terms]))
-    solved = least_squares(residuals, x0, loss="huber", f_scale=max(0.02 * typical, 1e-12), max_nfev=60)
+    # Huber beyond 5 % of the width, in the units that the weights give the residuals: relief is no outlier, and the
+    # plane that serves the field best is the one of least squares (1 % instead: 0.05 more of the best plane's error).
+    typical = float(np.median(np.concatenate([w for *_, w in terms])))
+    solved = least_squares(residuals, x0, loss="huber", f_scale=max(0.1 * typical, 1e-12), max_nfev=60)
     if not np.isfinite(solved.x).all() or np.square(solved.fun).sum() > 4 * np.square(at_start).sum():
         return homographies
     refined = {reference: np.eye(3)}

@@ -12,6 +12,7 @@ import av
 import cv2
 import numpy as np
 import pytest
+
 from mcsl_core.alignment import AlignmentSettings, align, apply, pool
 from mcsl_core.analysis import AnalysisSettings, analyse, describe
 from mcsl_core.edl import Camera, Media

@@ -11,6 +11,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 import pytest
+
 from mcsl_core import edl as document
 from mcsl_core.analysis import AnalysisSettings, analyse
 from mcsl_core.compositor import Compositor
@@ -23,11 +24,13 @@ from mcsl_core.simulation import Scenario, Truth, alignment_error, best_plane_er
 from mcsl_core.timing import FrameRange
 
 SCENARIOS = {
-    "one movement": Scenario(seed=101, duration_s=36, movements=((16.0, 2.5),)),
+    "one movement": Scenario(seed=101, duration_s=56, movements=((27.0, 2.5),)),
     "two movements, blue drapes": Scenario(
-        seed=102, duration_s=44, movements=((13.0, 2.0), (28.0, 3.0)), drape="blue", skin="medium", size=(640, 360)
+        seed=102, duration_s=75, movements=((24.0, 2.0), (50.0, 3.0)), drape="blue", skin="medium", size=(640, 360)
     ),
-    "dark skin, no movement": Scenario(seed=103, duration_s=20, movements=0, skin="dark", size=(640, 360)),
+    "dark skin, white drapes": Scenario(
+        seed=103, duration_s=50, movements=((26.0, 1.5),), skin="dark", drape="white", gloves="blue", size=(640, 360)
+    ),
 }
 
 pytestmark = pytest.mark.slow
@@ -45,9 +48,7 @@ def case(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     folder = tmp_path_factory.mktemp("whole")
     truth = simulate(SCENARIOS[request.param], folder / "recording", Silent())
     path = folder / "edl.json"
-    made = analyse(
-        [folder / "recording"], path, settings=AnalysisSettings(), plugins=discover(), progress=Silent()
-    )
+    made = analyse([folder / "recording"], path, settings=AnalysisSettings(), plugins=discover(), progress=Silent())
     return Case(truth, made, path)
 
 
@@ -84,9 +85,9 @@ def test_the_perspective_survives_the_movements(case: Case) -> None:
 
 def test_the_chosen_cameras_see_nearly_what_the_best_would(case: Case) -> None:
     visible = case.truth.visible_field[: case.edl.frames]
-    chosen = np.concatenate(
-        [np.full(len(s.range), case.truth.cameras.index(s.camera)) for s in case.edl.shots]
-    )[: len(visible)]
+    chosen = np.concatenate([np.full(len(s.range), case.truth.cameras.index(s.camera)) for s in case.edl.shots])[
+        : len(visible)
+    ]
     seen = visible[np.arange(len(visible)), chosen].sum() / visible.max(axis=1).sum()
     assert seen >= 0.93
 

@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
+
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import Scenario, simulate
 
@@ -57,9 +58,7 @@ def test_help_starts_at_once() -> None:
         (["simulate", "x", "--duration", "5", "--movements", "3"], 2, "make it longer"),
     ],
 )
-def test_a_wrong_call_is_told_in_one_line(
-    tmp_path: Path, arguments: list[str], exit_code: int, message: str
-) -> None:
+def test_a_wrong_call_is_told_in_one_line(tmp_path: Path, arguments: list[str], exit_code: int, message: str) -> None:
     done = mcsl(*arguments, cwd=tmp_path)
     assert done.returncode == exit_code
     assert message in done.stderr
