@@ -17,6 +17,7 @@ from .blender_child import run
 from .conform import Conformed, conform, default_folder, write_direct
 from .edl import Edl
 from .errors import InputError, UsageError
+from .plugins import filler_of
 from .presets import Preset
 from .progress import Progress, Silent
 from .timeline import piece_of, pull_from, timeline_request
@@ -56,7 +57,8 @@ def render(
     if engine == "direct" or found is None:
         _direct(edl, edl_path, out, kind, progress)
         return out
-    done = conform(edl, edl_path.parent, default_folder(edl_path), jobs=jobs, progress=progress)
+    folder = default_folder(edl_path)
+    done = conform(edl, edl_path.parent, folder, filler=filler_of(edl), jobs=jobs, progress=progress)
     if source.suffix == ".blend":
         _put_in_place("refresh", edl_path, source, done, kind, found, progress)
         _in_blender(source, out, kind, found, progress)
@@ -106,6 +108,7 @@ def _direct(edl: Edl, edl_path: Path, out: Path, kind: Preset, progress: Progres
         size=kind.scaled(edl.size),
         audio_channels=AUDIO_CHANNELS,
         keyframe_interval=kind.direct.gop,
+        filler=filler_of(edl),
         progress=progress,
     )
 

@@ -16,6 +16,7 @@ from .conform import Chunk, content_of, default_folder
 from .conform import plan as conform_plan
 from .edl import Edl
 from .errors import InputError, UsageError
+from .plugins import filler_of
 from .presets import Preset
 from .programme_sound import sound_key, sound_of
 from .progress import Progress, Silent
@@ -122,7 +123,8 @@ def in_place(edl: Edl, base: Path, folder: Path) -> tuple[list[dict[str, Any]], 
     if not folder.is_dir():
         return [], None
     folder = folder.resolve()
-    pieces = [piece_of(chunk, folder) for chunk in conform_plan(edl, base) if (folder / chunk.name).is_file()]
+    chunks = conform_plan(edl, base, filler=filler_of(edl))
+    pieces = [piece_of(chunk, folder) for chunk in chunks if (folder / chunk.name).is_file()]
     camera = sound_of(edl, None)
     sound = folder / f"sound-{sound_key(edl, camera, content_of(edl.camera(camera), base))}.wav"
     return pieces, str(sound) if sound.is_file() else None
