@@ -31,6 +31,7 @@ FLOORS: dict[int, set[str]] = {
     },
     5: {"console", "cli"},
 }
+PACKAGES = {"simulation", "video"}  # those of the table that are packages: their modules stand on their floor
 STAGES = 2  # the floor on which modules do not import each other: values pass between them through analysis.py
 
 # Of the add-on, what runs anywhere and what needs Blender.
@@ -149,7 +150,7 @@ def tree(tmp_path: Path) -> Path:
     """The modules of the tables, all empty."""
     for package, names in (("mcsl_core", {"__init__", *FLOOR_OF}), ("blender_addon", ADDON_PURE | ADDON_BPY)):
         for name in names:
-            path = tmp_path / package / (f"{name}/__init__.py" if name == "simulation" else f"{name}.py")
+            path = tmp_path / package / (f"{name}/__init__.py" if name in PACKAGES else f"{name}.py")
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text("", "utf-8")
     return tmp_path
@@ -159,12 +160,16 @@ def tree(tmp_path: Path) -> Path:
 BREACHES = [
     ("mcsl_core/edl.py", "from .video import probe", "imports video, which stands above it"),
     ("mcsl_core/edl.py", "def f():\n    import mcsl_core.analysis", "imports analysis, which stands above it"),
-    ("mcsl_core/video.py", "from . import edl, alignment", "imports alignment, which stands above it"),
+    ("mcsl_core/media.py", "from . import edl, alignment", "imports alignment, which stands above it"),
+    ("mcsl_core/video/__init__.py", "from .. import edl, alignment", "imports alignment, which stands above it"),
+    ("mcsl_core/video/sound.py", "from ..selection import x", "imports selection, which stands above it"),
     ("mcsl_core/selection.py", "from mcsl_core.movement import x", "stages do not import each other"),
     ("mcsl_core/simulation/__init__.py", "from ..cli import main", "imports cli, which stands above it"),
     ("mcsl_core/simulation/deep.py", "from mcsl_core import cli", "imports cli, which stands above it"),
     ("mcsl_core/timing.py", "import numpy as np", "imports numpy, and floor 0 does with attrs and cattrs"),
     ("mcsl_core/footage.py", "if 1:\n    import av.error", "imports av, which only video may"),
+    ("mcsl_core/sound.py", "import av", "mcsl_core/sound.py imports av, which only video may"),
+    ("mcsl_core/simulation/video.py", "from av import open", "simulation/video.py imports av, which only video may"),
     ("mcsl_core/analysis.py", "from rich.table import Table", "imports rich, which only cli, console may"),
     ("mcsl_core/analysis.py", "import bpy", "mcsl_core is free of Blender"),
     ("mcsl_core/analysis.py", "import blender_addon.plan", "imports blender_addon"),
@@ -196,6 +201,16 @@ def test_each_rule_is_seen_when_broken(tree, file, text, message):
     faults = faults_in(tree)
     assert len(faults) == 1
     assert message in faults[0]
+
+
+@pytest.mark.parametrize("name", ["__init__", "sound", "brand_new"])
+def test_every_module_of_the_video_package_may_import_av(tree, name):
+    (tree / "mcsl_core" / "video" / f"{name}.py").write_text("import av\nfrom av.error import FFmpegError\n", "utf-8")
+    assert faults_in(tree) == []
+
+
+def test_the_table_knows_the_packages():
+    assert {p.parent.name for p in (ROOT / "mcsl_core").glob("*/__init__.py")} == PACKAGES
 
 
 def test_a_module_that_is_gone_is_told(tree):
