@@ -209,7 +209,8 @@ def align(
         if worst is None or quality[worst][0] <= settings.relief * float(np.hypot(*sizes[reference])):
             break
         trusted.remove(worst)  # farther off than any relief: its pairs agree in no one plane
-    residual, support = ({n: q[i] for n, q in sorted(quality.items())} for i in (0, 1))
+    residual = {name: rms for name, (rms, _) in sorted(quality.items())}
+    support = {name: places for name, (_, places) in sorted(quality.items())}
     weak = tuple(
         Weak(name, _diagnosis(name, pairs, fits, homographies, settings)) for name in names if name not in homographies
     )

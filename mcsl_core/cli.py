@@ -92,10 +92,9 @@ def cli(ctx: click.Context, progress: str, debug: bool) -> None:
 
 def _stage_options(command: Any) -> Any:
     """--movement NAME, --occlusion NAME, ...: which plugin does each stage."""
-    for stage, (_, _, default) in reversed(list(STAGES.items())):
-        command = click.option(f"--{stage}", metavar="NAME", help=f"Plugin for this stage (default: {default}).")(
-            command
-        )
+    for name, stage in reversed(list(STAGES.items())):
+        text = f"Plugin that {stage.purpose} (default: {stage.default})."
+        command = click.option(f"--{name}", metavar="NAME", help=text)(command)
     return command
 
 
@@ -105,8 +104,9 @@ def _stage_options(command: Any) -> Any:
 @click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
 @click.pass_obj
 def demo(session: Session, folder: Path | None, seed: int, blender: str | None) -> None:
-    """Simulate a recording, analyse it, build the timeline, render the video.
+    """The whole way once, on a simulated recording.
 
+    Simulates it, analyses it, builds the timeline and renders the video.
     Everything goes into FOLDER (default: ./mcsl-demo).
     """
     from .demo import run_demo
@@ -129,7 +129,10 @@ def demo(session: Session, folder: Path | None, seed: int, blender: str | None) 
 @click.option("--gloves", type=click.Choice(["white", "blue", "skin"]), default="white", show_default=True)
 @click.pass_obj
 def simulate(session: Session, out: Path, size: str, rate: str, **scene: Any) -> None:
-    """Make a recording with known truth in the folder OUT: camera files and truth.json."""
+    """Make a recording with known truth.
+
+    Camera files and truth.json go into the folder OUT.
+    """
     from .simulation import Scenario
     from .simulation import simulate as run
 
@@ -163,7 +166,10 @@ def analyse(
     sync: str,
     **stages: str | None,
 ) -> None:
-    """Analyse RECORDING (a folder, or the camera files in order) into an edit-decision list."""
+    """Decide everything: a recording becomes an EDL.
+
+    RECORDING is a folder with one file per camera, or the camera files in order.
+    """
     from . import analysis, plugins
 
     try:
@@ -205,7 +211,7 @@ def timeline(session: Session, edl: Path, out: Path, preset: str, conformed: Pat
 @click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
 @click.pass_obj
 def pull(session: Session, blend: Path, out: Path | None, blender: str | None) -> None:
-    """Read the editor's changes in BLEND back into the EDL as overrides."""
+    """Read the editor's changes in BLEND as overrides."""
     from . import blender as desk
     from . import timeline as lines
 
@@ -222,7 +228,10 @@ def pull(session: Session, blend: Path, out: Path | None, blender: str | None) -
 @click.option("--prune", is_flag=True, help="Delete chunks that the EDL no longer needs.")
 @click.pass_obj
 def conform(session: Session, edl: Path, out: Path | None, jobs: int, prune: bool) -> None:
-    """Make the exact full-resolution programme pictures of EDL from the original media."""
+    """Make the exact programme pictures of EDL.
+
+    From the original media, in full resolution, in chunks: only what is missing or changed is made.
+    """
     from . import conform as conforming
     from . import edl as document
     from .plugins import filler_of
@@ -254,7 +263,10 @@ def conform(session: Session, edl: Path, out: Path | None, jobs: int, prune: boo
 @click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
 @click.pass_obj
 def render(session: Session, source: Path, out: Path, preset: str, engine: str, jobs: int, blender: str | None) -> None:
-    """Pull, conform and render SOURCE (an EDL or a .blend) to a video."""
+    """Pull, conform and render to a video.
+
+    SOURCE is an EDL or a .blend.
+    """
     from . import rendering
 
     with session.progress() as progress:
@@ -266,7 +278,7 @@ def render(session: Session, source: Path, out: Path, preset: str, engine: str, 
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
 @click.pass_obj
 def list_plugins(session: Session, as_json: bool) -> None:
-    """List everything that can do a stage, built-in and installed."""
+    """List what can do each stage, built in or installed."""
     from .plugins import discover
 
     offers = discover().offers
@@ -278,7 +290,7 @@ def list_plugins(session: Session, as_json: bool) -> None:
                 "package": o.package,
                 "version": o.version,
                 "summary": o.summary,
-                "default": STAGES[o.stage][2] == o.name,
+                "default": STAGES[o.stage].default == o.name,
             }
             for o in offers
         ]
@@ -288,7 +300,7 @@ def list_plugins(session: Session, as_json: bool) -> None:
     for heading in ("stage", "name", "from", "what it does"):
         table.add_column(heading, overflow="fold")
     for offer in offers:
-        mark = " [dim](default)[/]" if STAGES[offer.stage][2] == offer.name else ""
+        mark = " [dim](default)[/]" if STAGES[offer.stage].default == offer.name else ""
         table.add_row(offer.stage, offer.name + mark, f"{offer.package} {offer.version}", offer.summary)
     session.out.print(table)
 

@@ -60,7 +60,7 @@ def stillness(shares: Sequence[float]) -> float:
 
 @frozen
 class Stillness:
-    """Our default detector.
+    """Whether each camera's static background still lies where it lay. All cameras start and stop together.
 
     still: with at least this share of the background in place the lamp stands. Between samples a stretch below it
     is looked at closely, ``close_s`` apart, for the frame at which it starts and stops; ``looks_gone`` of these in a

@@ -45,7 +45,7 @@ class Plugins:
 
     def choose(self, stage: str, name: str | None = None) -> Offer:
         """The offer of that name (the default's without one); UsageError that lists what there is."""
-        name = name or STAGES[stage][2]
+        name = name or STAGES[stage].default
         for offer in self.offers:
             if (offer.stage, offer.name) == (stage, name):
                 return offer
@@ -115,19 +115,19 @@ def _offers(source: object, package: str, version: str) -> list[Offer]:
     except pluggy.PluginValidationError as error:
         raise PluginError(str(error), where=who, remedy="Its hooks must be those of docs/hooks.md") from error
     found = []
-    for stage, (hook, methods, _) in STAGES.items():
+    for stage, kind in STAGES.items():
         try:
-            results = getattr(manager.hook, hook)()
+            results = getattr(manager.hook, kind.hook)()
         except Exception as error:
             raise PluginError(
-                f"{hook} failed: {type(error).__name__}: {error}", where=who, remedy="Repair or uninstall it"
+                f"{kind.hook} failed: {type(error).__name__}: {error}", where=who, remedy="Repair or uninstall it"
             ) from error
         for implementation in (item for result in results for item in result):
             name = getattr(implementation, "name", None)
-            lacking = [m for m in methods if not callable(getattr(implementation, m, None))]
+            lacking = [m for m in kind.methods if not callable(getattr(implementation, m, None))]
             if not isinstance(name, str) or not name or lacking:
                 raise PluginError(
-                    f"{hook} offers {implementation!r}, which lacks {', '.join(lacking) or 'a name'}",
+                    f"{kind.hook} offers {implementation!r}, which lacks {', '.join(lacking) or 'a name'}",
                     where=who,
                     remedy="See the protocol in docs/hooks.md",
                 )

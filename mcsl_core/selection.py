@@ -146,7 +146,7 @@ class LeastOccluded:
 
 @frozen
 class Fixed:
-    """One camera throughout: the first, or ``camera``."""
+    """One camera throughout: the first of the recording, or the one it is made with."""
 
     camera: str | None = field(default=None)
     name = "fixed"

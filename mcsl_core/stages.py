@@ -1,14 +1,27 @@
-"""The stages that plugins may do: stage -> (hook, methods its objects must have, name of the default)."""
+"""The stages that plugins may do, by the name of their option on the command line."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-STAGES: Mapping[str, tuple[str, tuple[str, ...], str]] = {
-    "movement": ("register_movement_detectors", ("detect",), "stillness"),
-    "matcher": ("register_matchers", ("features", "match"), "rootsift"),
-    "occlusion": ("register_occlusion_detectors", ("scorer",), "hue-area"),
-    "selector": ("register_selectors", ("select",), "shortest-path"),
-    "centerer": ("register_centerers", ("centre",), "field"),
-    "filler": ("register_fillers", ("fill",), "footprint"),
+from attrs import frozen
+
+
+@frozen
+class Stage:
+    """hook: the function a plugin registers by. methods: what its objects must have. default: the built-in's name."""
+
+    hook: str
+    methods: tuple[str, ...]
+    default: str
+    purpose: str
+
+
+STAGES: Mapping[str, Stage] = {
+    "movement": Stage("register_movement_detectors", ("detect",), "stillness", "finds when the lamp moves"),
+    "matcher": Stage("register_matchers", ("features", "match"), "rootsift", "finds the same places in two views"),
+    "occlusion": Stage("register_occlusion_detectors", ("scorer",), "hue-area", "says how much of the field shows"),
+    "selector": Stage("register_selectors", ("select",), "shortest-path", "chooses the camera of every moment"),
+    "centerer": Stage("register_centerers", ("centre",), "field", "puts the surgical field in the middle"),
+    "filler": Stage("register_fillers", ("fill",), "footprint", "fills what the warp leaves empty"),
 }

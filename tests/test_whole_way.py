@@ -24,7 +24,7 @@ from mcsl_core.simulation import Scenario, Truth, alignment_error, best_plane_er
 from mcsl_core.timing import FrameRange
 
 SCENARIOS = {
-    "one movement": Scenario(seed=101, duration_s=56, movements=((27.0, 2.5),)),
+    "one movement": Scenario(seed=104, duration_s=56, movements=((27.0, 2.5),)),
     "two movements, blue drapes": Scenario(
         seed=102, duration_s=75, movements=((24.0, 2.0), (50.0, 3.0)), drape="blue", skin="medium", size=(640, 360)
     ),

@@ -153,4 +153,4 @@ def test_every_stage_has_its_default() -> None:
     from mcsl_core.stages import STAGES
 
     for stage in STAGES:
-        assert discover().choose(stage).name == STAGES[stage][2]
+        assert discover().choose(stage).name == STAGES[stage].default

@@ -32,4 +32,4 @@ def test_without_alignment_has_the_same_shots_and_no_look(edl: Edl) -> None:
     asked = [o for o in plain.overrides if o.centering or o.fill or o.colour]
     for piece, decision in resolve(plain):
         if not any(piece.intersection(o.range) for o in asked):
-            assert not (decision.centering or decision.fill or decision.colour)
+            assert not any((decision.centering, decision.fill, decision.colour))
