@@ -65,6 +65,7 @@ def analyse(
 
     cameras = open_cameras(recording, out.parent, progress)
     reference = _reference(cameras, settings.reference)
+    out.parent.mkdir(parents=True, exist_ok=True)  # media paths lead through it
     cameras = _synchronised(cameras, reference, settings.sync, out.parent, progress)
     rate = settings.rate or reference.rate
     frames = programme_length(reference, out.parent, rate)

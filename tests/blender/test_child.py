@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
 import threading
 import time
 from pathlib import Path
@@ -41,10 +40,18 @@ def render_request(built, out):
     return {"task": "render", "blend": str(built), "preset": preset, "output": str(out)}
 
 
-def children() -> list[str]:
-    """Processes below this one that are still there."""
-    said = subprocess.run(["ps", "--ppid", str(os.getpid()), "-o", "pid=,args="], capture_output=True, text=True)
-    return [line for line in said.stdout.splitlines() if "background.py" in line]
+def children() -> list[int]:
+    """Blender children of this process that are still there."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            parent = int((process / "stat").read_text().rpartition(")")[2].split()[1])
+            arguments = (process / "cmdline").read_bytes()
+        except OSError:  # ended while we looked
+            continue
+        if parent == os.getpid() and b"background.py" in arguments:
+            found.append(int(process.name))
+    return found
 
 
 def test_progress_comes_as_it_happens(built, blender, tmp_path):
@@ -74,8 +81,7 @@ def test_a_cancel_while_the_child_says_nothing(built, blender, tmp_path):
 def test_a_killed_child_is_told_as_such(built, blender, tmp_path):
     class Killer(Recorder):
         def stage(self, name, total=None, unit=""):
-            pid = int(children()[0].split()[0])
-            os.kill(pid, signal.SIGSEGV)
+            os.kill(children()[0], signal.SIGSEGV)
 
     with pytest.raises(BlenderError, match="was killed by SIGSEGV"):
         run(blender, render_request(built, tmp_path / "out.mp4"), Killer())
