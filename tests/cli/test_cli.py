@@ -113,10 +113,20 @@ def test_an_error_as_json_has_the_remedy(tmp_path: Path) -> None:
 def test_stopping_leaves_nothing_half_written(tmp_path: Path, number: int) -> None:
     command = [sys.executable, "-m", "mcsl_core.cli", "--progress", "lines", "simulate", "out", "--duration", "600"]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    child = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True, env=environment)
+    # A shell's background job passes on that it ignores Ctrl-C; a person's terminal does not.
+    child = subprocess.Popen(
+        command,
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
     assert child.stderr is not None
     assert child.stderr.readline()
-    time.sleep(3)
+    while "film" not in child.stderr.readline():
+        pass
+    time.sleep(1)
     child.send_signal(number)
     _, err = child.communicate(timeout=60)
     assert child.returncode == 130
