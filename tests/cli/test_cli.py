@@ -109,6 +109,12 @@ def test_an_error_as_json_has_the_remedy(tmp_path: Path) -> None:
     assert error["remedy"]
 
 
+def test_a_wrong_call_is_json_for_programs_too(tmp_path: Path) -> None:
+    done = mcsl("--progress", "json", "analyse", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "Missing argument" in json.loads(done.stdout)["error"]["what"]
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_stopping_leaves_nothing_half_written(tmp_path: Path, number: int) -> None:
     command = [sys.executable, "-m", "mcsl_core.cli", "--progress", "lines", "simulate", "out", "--duration", "600"]

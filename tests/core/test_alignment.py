@@ -102,6 +102,20 @@ def test_a_camera_with_too_few_matches_says_how_many_are_needed() -> None:
     assert "at most 6 distinct places" in result.weak[0].reason
 
 
+def test_a_pair_that_shows_the_same_head_does_not_place_a_camera() -> None:
+    """cam4 matches cam1 well, but on a surface half a metre above the field; its other pairs say where it lies."""
+    rig = Rig(9)
+    pairs = rig.pairs(false=0.2)
+    above = rig.world * [0.5, 0.5, 1] + [0, 0, 0.45]
+    pa, pb = rig.project(0, above), rig.project(3, above)
+    pairs["cam1", "cam4"] = pool([(pa, pb, np.ones(len(pa)))] * 2)
+    assert fit_pair(pairs["cam1", "cam4"], SIZE, SIZE, AlignmentSettings()) is not None, "the pair alone looks fine"
+    result = align(pairs, dict.fromkeys(NAMES, SIZE), "cam1")
+    own, reference = rig.project(3, rig.world), rig.project(0, rig.world)
+    rms = np.sqrt(np.mean(((apply(result.homographies["cam4"], own) - reference) ** 2).sum(axis=1)))
+    assert rms <= 1.5 * best_plane_rms(own, reference)
+
+
 def test_repeated_static_false_matches_do_not_tie_cameras() -> None:
     """The same eight wrong matches in a hundred frames are eight places, however often they are found."""
     rng = np.random.default_rng(6)
