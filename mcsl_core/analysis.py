@@ -252,7 +252,7 @@ def _field_place(solved: SolvedPose, size: tuple[int, int]) -> FieldPlace:
 
 
 def _settings_json(settings: AnalysisSettings) -> dict[str, object]:
-    """The settings that differ from none, in the EDL's types."""
+    """The settings as the EDL keeps them; which plugin did which stage stands beside them."""
     return {"sync": settings.sync, "sample_s": settings.sample_s, "solve": attrs.asdict(settings.solve)}
 
 

@@ -49,7 +49,7 @@ _NOTHING = Features(np.zeros((0, 2), np.float32), np.zeros((0, 1), np.float32), 
 
 
 @frozen(eq=False)
-class Look:
+class Evidence:
     """The clear pictures of one camera in one pose: their points, and where the field lies in the picture."""
 
     features: tuple[Features, ...]
@@ -58,11 +58,11 @@ class Look:
 
 @frozen(eq=False)
 class SolvedPose:
-    """A pose for the EDL, the scene it makes, and the looks that the next pose is anchored by."""
+    """A pose for the EDL, the scene it makes, and the evidence that the next pose is anchored by."""
 
     pose: Pose
     scene: Scene
-    looks: Mapping[str, Look]
+    evidence: Mapping[str, Evidence]
     doo: NDArray[np.float64]
 
 
@@ -100,18 +100,18 @@ def solve_pose(
             f"frames {piece}: no {settings.clear.run} clear samples in a row (DOO below {settings.clear.threshold}); "
             "the clearest moments were taken instead"
         )
-    looks = _looks(moments, frames, samples, footage, matcher, settings, progress)
+    evidence = _gather(moments, frames, samples, footage, matcher, settings, progress)
     found = {
-        (a, b): _correspondences(looks[a], looks[b], sizes[a], sizes[b], matcher, settings)
-        for a, b in combinations(sorted(looks), 2)
+        (a, b): _correspondences(evidence[a], evidence[b], sizes[a], sizes[b], matcher, settings)
+        for a, b in combinations(sorted(evidence), 2)
     }
     # A head may hide the field from one camera at all clear moments. So the cameras are tied twice: first by where
     # each sees the field itself, then by where all together place it.
-    fields = {name: look.field for name, look in looks.items()}
+    fields = {name: seen.field for name, seen in evidence.items()}
     for _ in range(2):
         pairs = {(a, b): _weighted(p, sizes, a, b, fields, settings) for (a, b), p in found.items()}
         alignment = align(pairs, sizes, reference, settings.alignment)
-        scene = _scene(alignment, sizes, reference, looks, settings)
+        scene = _scene(alignment, sizes, reference, evidence, settings)
         fields |= {
             name: _field_in(scene, name, fields[name].shape) for name in alignment.homographies if name in fields
         }
@@ -119,7 +119,7 @@ def solve_pose(
         progress.note(f"frames {piece}: camera {weak.camera} is weak: {weak.reason}")
     anchor, perspective = IDENTITY, 0
     if previous is not None:
-        anchor, perspective = _anchored(previous, looks, fields, alignment, reference, matcher, settings)
+        anchor, perspective = _anchored(previous, evidence, fields, alignment, reference, matcher, settings)
         if perspective != previous.pose.perspective:
             progress.note(f"frames {piece}: too little in common with the view before; a new perspective begins")
     pose = Pose(
@@ -133,14 +133,14 @@ def solve_pose(
         support=dict(alignment.support),
         weak=alignment.weak,
     )
-    return SolvedPose(pose, scene, looks, doo)
+    return SolvedPose(pose, scene, evidence, doo)
 
 
 def _doo(samples: Samples, position: int) -> float:
     return degree_of_occlusion([field_area(p) for p in samples[position].pictures.values() if p is not None])
 
 
-def _looks(
+def _gather(
     moments: Sequence[int],
     frames: Sequence[int],
     samples: Samples,
@@ -148,28 +148,28 @@ def _looks(
     matcher: Matcher,
     settings: SolveSettings,
     progress: Progress,
-) -> dict[str, Look]:
+) -> dict[str, Evidence]:
     """Every camera's points at the clear frames; SIFT lets go of the interpreter, so cameras share the cores."""
     progress.stage("Finding points", len(footage.cameras), "cameras")
 
-    def look(camera: str) -> Look | None:
+    def gathered(camera: str) -> Evidence | None:
         small = [p for i in moments if (p := samples[i].pictures[camera]) is not None]
         if not small:
             return None
         pictures = footage.pictures(camera, frames, height=settings.solve_height)
-        return Look(
+        return Evidence(
             tuple(_NOTHING if picture is None else matcher.features(picture) for _, picture in pictures),
             field_from_hue(small),
         )
 
-    looks = {}
+    evidence: dict[str, Evidence] = {}
     with ThreadPoolExecutor(max_workers=2) as workers:
         names = [c.name for c in footage.cameras]
-        for done, (name, made) in enumerate(zip(names, workers.map(look, names), strict=True)):
+        for done, (name, made) in enumerate(zip(names, workers.map(gathered, names), strict=True)):
             if made is not None:
-                looks[name] = made
+                evidence[name] = made
             progress.advance(done + 1)
-    return looks
+    return evidence
 
 
 def _in_field(points: Array, size: tuple[int, int], mask: Mask) -> NDArray[np.bool_]:
@@ -190,8 +190,8 @@ def _full(points: NDArray, reduced: tuple[int, int], size: tuple[int, int]) -> A
 
 
 def _correspondences(
-    a: Look,
-    b: Look,
+    a: Evidence,
+    b: Evidence,
     size_a: tuple[int, int],
     size_b: tuple[int, int],
     matcher: Matcher,
@@ -199,7 +199,7 @@ def _correspondences(
     *,
     every: bool = False,
 ) -> Correspondences:
-    """Matches of two looks, frame by frame (or, with ``every``, some frames of one with some of the other)."""
+    """Matches of two cameras, frame by frame (or, with ``every``, some frames of one with some of the other)."""
     if every:
         moments = [(fa, fb) for fa in a.features[::4] for fb in b.features[::4]]
     else:
@@ -260,7 +260,7 @@ def _scene(
     alignment: Alignment,
     sizes: Mapping[str, tuple[int, int]],
     reference: str,
-    looks: Mapping[str, Look],
+    evidence: Mapping[str, Evidence],
     settings: SolveSettings,
 ) -> Scene:
     """The scene, its field being where most cameras place theirs."""
@@ -269,7 +269,7 @@ def _scene(
     empty = Scene(size, reference, alignment.homographies, sizes, np.zeros((size[1], size[0]), bool))
     votes, voters = np.zeros((size[1], size[0])), np.zeros((size[1], size[0]))
     for name in alignment.homographies:
-        mask = looks[name].field if name in looks else None
+        mask = evidence[name].field if name in evidence else None
         if mask is None or not mask.any():
             continue
         warp = empty.warp_of(name, (mask.shape[1], mask.shape[0]))
@@ -284,7 +284,7 @@ def _scene(
 
 def _anchored(
     previous: SolvedPose,
-    looks: Mapping[str, Look],
+    evidence: Mapping[str, Evidence],
     fields: Mapping[str, Mask],
     alignment: Alignment,
     reference: str,
@@ -299,10 +299,10 @@ def _anchored(
     best: tuple[float, Array] | None = None
     for name in sorted(alignment.homographies):
         before = previous.scene.homographies.get(name)
-        if before is None or name not in looks or name not in previous.looks:
+        if before is None or name not in evidence or name not in previous.evidence:
             continue
         size = previous.scene.camera_sizes[name]
-        pair = _correspondences(looks[name], previous.looks[name], size, size, matcher, settings, every=True)
+        pair = _correspondences(evidence[name], previous.evidence[name], size, size, matcher, settings, every=True)
         both = {"now": fields[name], "before": _field_in(previous.scene, name, fields[name].shape)}
         pair = _weighted(pair, {"now": size, "before": size}, "now", "before", both, settings)
         fit = fit_pair(pair, size, size, settings.alignment)
