@@ -128,13 +128,15 @@ def test_stopping_leaves_nothing_half_written(tmp_path: Path, number: int) -> No
         env=environment,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
-    assert child.stderr is not None
-    assert child.stderr.readline()
-    while "film" not in child.stderr.readline():
-        pass
-    time.sleep(1)
-    child.send_signal(number)
-    _, err = child.communicate(timeout=60)
+    try:
+        assert child.stderr is not None
+        while "film" not in child.stderr.readline():
+            assert child.poll() is None
+        time.sleep(1)
+        child.send_signal(number)
+        _, err = child.communicate(timeout=60)
+    finally:
+        child.kill()
     assert child.returncode == 130
     assert re.search(r"mcsl: stopped", err)
     assert "Traceback" not in err
