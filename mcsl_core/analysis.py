@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from fractions import Fraction
 from math import floor
 from pathlib import Path
@@ -71,12 +72,13 @@ def analyse(
     frames = programme_length(reference, out.parent, rate)
     footage = Footage(cameras, rate=rate, frames=frames, base=out.parent)
 
-    with tempfile.TemporaryDirectory(prefix="mcsl-samples-") as folder:
-        samples = Samples.record(footage, Path(folder) / "samples", progress, step_s=settings.sample_s)
+    with (
+        tempfile.TemporaryDirectory(prefix="mcsl-samples-") as folder,
+        closing(Samples.record(footage, Path(folder) / "samples", progress, step_s=settings.sample_s)) as samples,
+    ):
         movements = tuple(chosen["movement"].implementation.detect(samples, footage, progress))
         solved = _solve(samples, footage, reference.name, movements, chosen["matcher"], settings, progress)
         table = _scores(samples, solved, movements, chosen["occlusion"], progress)
-    poses = [s.pose for s in solved]
     shots = tuple(chosen["selector"].implementation.select(table, frames=frames, rate=rate))
     keys = tuple(
         chosen["centerer"].implementation.centre(
@@ -91,7 +93,7 @@ def analyse(
         reference=reference.name,
         cameras=cameras,
         movements=movements,
-        poses=tuple(poses),
+        poses=tuple(s.pose for s in solved),
         shots=shots,
         centering=keys,
         scores=scores_path.name,

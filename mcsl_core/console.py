@@ -66,10 +66,8 @@ class Bars:
     def _finish(self) -> None:
         if self._rich is not None and self._task is not None:
             task = next(t for t in self._rich.tasks if t.id == self._task)
-            total = task.completed if task.total is None else task.total
-            self._rich.update(self._task, completed=total, total=max(total, 1) if total else 1)
-            if not total:
-                self._rich.update(self._task, completed=1)
+            done = (task.completed if task.total is None else task.total) or 1  # an empty stage is a finished one
+            self._rich.update(self._task, completed=done, total=done)
 
     def stage(self, name: str, total: int | None = None, unit: str = "") -> None:
         self.token.check()

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from attrs import frozen
 
-from . import analysis, blender, rendering, timeline
+from . import analysis, rendering, timeline
+from . import blender as blenders
 from .contact import contact_sheet, save_picture
 from .edl import Edl
 from .errors import InputError
@@ -32,9 +33,9 @@ def run_demo(folder: Path, *, seed: int, blender: str | None, progress: Progress
 
     Raises InputError when ``folder`` holds something that is not a demo, so that nothing of yours is overwritten.
     """
-    if folder.exists() and any(folder.iterdir()) and not (folder / "recording" / "truth.json").exists():
+    if not (folder / "recording" / "truth.json").exists() and not _is_free(folder):
         raise InputError("is not empty", where=str(folder), remedy="Name a new folder: mcsl demo FOLDER")
-    desk = _find_blender(blender)
+    desk = blenders.find(blender)
     recording, edl_path = folder / "recording", folder / "edl.json"
     blend, video, sheet = folder / "edit.blend", folder / "programme.mp4", folder / "contact-sheet.png"
     truth = simulate(Scenario(seed=seed, duration_s=DURATION_S, movements=1), recording, progress)
@@ -42,7 +43,7 @@ def run_demo(folder: Path, *, seed: int, blender: str | None, progress: Progress
         [recording], edl_path, settings=analysis.AnalysisSettings(), plugins=discover(), progress=progress
     )
     timeline.build(edl_path, blend, blender=desk, progress=progress)
-    rendering.render(blend, video, preset="h264", engine="blender", blender=blender, progress=progress)
+    rendering.render(blend, video, preset="h264", engine="blender", blender=desk, progress=progress)
     middles = [(p.range.start + p.range.stop) // 2 for p in made.poses]
     save_picture(contact_sheet(made, folder, middles[:3]), sheet)
     errors = alignment_errors(truth, made)
@@ -57,8 +58,10 @@ def run_demo(folder: Path, *, seed: int, blender: str | None, progress: Progress
     return Demo(values, _text(places, made, truth, errors))
 
 
-def _find_blender(wish: str | None) -> blender.Blender:
-    return blender.find(wish)
+def _is_free(folder: Path) -> bool:
+    """Whether nothing lies there but what a demo leaves that was stopped while it simulated: an empty recording."""
+    inside = list(folder.iterdir()) if folder.exists() else []
+    return all(p.name == "recording" and p.is_dir() and not any(p.iterdir()) for p in inside)
 
 
 def alignment_errors(truth: Truth, made: Edl) -> list[dict[str, Any]]:

@@ -62,6 +62,10 @@ class Samples:
         stream.flush()
         return cls(frames, cameras, index, stream)
 
+    def close(self) -> None:
+        """Lets go of the file; the samples cannot be looked at afterwards."""
+        self._file.close()
+
     def __len__(self) -> int:
         return len(self.frames)
 

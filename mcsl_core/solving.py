@@ -63,7 +63,6 @@ class SolvedPose:
     pose: Pose
     scene: Scene
     evidence: Mapping[str, Evidence]
-    doo: NDArray[np.float64]
 
 
 def to_matrix(homography: Array) -> Matrix:
@@ -133,7 +132,7 @@ def solve_pose(
         support=dict(alignment.support),
         weak=alignment.weak,
     )
-    return SolvedPose(pose, scene, evidence, doo)
+    return SolvedPose(pose, scene, evidence)
 
 
 def _doo(samples: Samples, position: int) -> float:
@@ -172,12 +171,16 @@ def _gather(
     return evidence
 
 
+def _near_middle(points: Array, size: tuple[int, int]) -> NDArray[np.bool_]:
+    """Whether points lie in the middle of the picture, where the lamp is aimed: for a field that no colour shows."""
+    centred = (points - np.array(size) / 2) / (0.3 * np.array(size))
+    return (centred**2).sum(axis=1) < 1
+
+
 def _in_field(points: Array, size: tuple[int, int], mask: Mask) -> NDArray[np.bool_]:
     """Whether full-size points lie in the field's mask, which is of any reduced size."""
     if not mask.any():
-        # No colour says where the field is: the lamp is aimed at it, so take the middle of the picture.
-        centred = (points - np.array(size) / 2) / (0.3 * np.array(size))
-        return (centred**2).sum(axis=1) < 1
+        return _near_middle(points, size)
     shrink = scaling(size, (mask.shape[1], mask.shape[0]))
     at = np.round(points @ shrink[:2, :2].T + shrink[:2, 2]).astype(int)
     at = np.clip(at, 0, [mask.shape[1] - 1, mask.shape[0] - 1])
@@ -277,8 +280,8 @@ def _scene(
         voters += cv2.warpPerspective(np.ones(mask.shape, np.float32), warp, size)
     place = main_region((votes > 0.5 * voters) & (voters > 0.5))
     if not place.any():
-        y, x = np.mgrid[: size[1], : size[0]]
-        place = ((x - size[0] / 2) / (0.3 * size[0])) ** 2 + ((y - size[1] / 2) / (0.3 * size[1])) ** 2 < 1
+        grid = np.stack(np.meshgrid(np.arange(size[0]), np.arange(size[1])), axis=-1).reshape(-1, 2)
+        place = _near_middle(grid.astype(np.float64), size).reshape(size[1], size[0])
     return Scene(size, reference, alignment.homographies, sizes, place)
 
 
