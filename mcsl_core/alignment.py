@@ -217,6 +217,23 @@ def align(
     return Alignment(homographies, residual, support, weak)
 
 
+@frozen
+class JointPlane:
+    """All cameras tied by the plane that serves the surgical field best: robust pairs, then all pairs together."""
+
+    settings: AlignmentSettings = field(factory=AlignmentSettings)
+    name = "joint-plane"
+
+    def align(
+        self,
+        pairs: Mapping[tuple[str, str], Correspondences],
+        sizes: Mapping[str, tuple[int, int]],
+        reference: str,
+    ) -> Alignment:
+        """See `align`."""
+        return align(pairs, sizes, reference, self.settings)
+
+
 def _tie(
     fits: Mapping[tuple[str, str], PairFit],
     sizes: Mapping[str, tuple[int, int]],

@@ -16,7 +16,7 @@ from attrs import field, frozen
 
 from . import __version__, edl
 from .centering import FieldPlace, field_middle
-from .errors import InputError, PluginError, UsageError
+from .errors import InputError, UsageError
 from .footage import Footage
 from .media import fingerprint
 from .plugins import Offer, Plugins
@@ -24,7 +24,8 @@ from .progress import Progress
 from .recording import discover
 from .samples import Samples
 from .scene import scaling
-from .scores import ScoreTable
+from .scores import Detection
+from .scoring import score_views
 from .solving import SolvedPose, SolveSettings, solve_pose
 from .stages import STAGES
 from .sync import synchronise
@@ -76,9 +77,11 @@ def analyse(
         tempfile.TemporaryDirectory(prefix="mcsl-samples-") as folder,
         closing(Samples.record(footage, Path(folder) / "samples", progress, step_s=settings.sample_s)) as samples,
     ):
-        movements = tuple(chosen["movement"].implementation.detect(samples, footage, progress))
-        solved = _solve(samples, footage, reference.name, movements, chosen["matcher"], settings, progress)
-        table = _scores(samples, solved, movements, chosen["occlusion"], progress)
+        detection: Detection = chosen["movement"].implementation.detect(samples, footage, progress)
+        movements = detection.movements
+        solved = _solve(samples, footage, reference.name, movements, chosen, settings, progress)
+        table = score_views(samples, solved, movements, chosen["occlusion"], progress)
+        table = attrs.evolve(table, movement=detection.curve)
     shots = tuple(chosen["selector"].implementation.select(table, frames=frames, rate=rate))
     keys = tuple(
         chosen["centerer"].implementation.centre(
@@ -186,7 +189,7 @@ def _solve(
     footage: Footage,
     reference: str,
     movements: Sequence[edl.Movement],
-    matcher: Offer,
+    chosen: Mapping[str, Offer],
     settings: AnalysisSettings,
     progress: Progress,
 ) -> list[SolvedPose]:
@@ -200,52 +203,14 @@ def _solve(
                 samples,
                 footage,
                 reference=reference,
-                matcher=matcher.implementation,
+                matcher=chosen["matcher"].implementation,
+                aligner=chosen["aligner"].implementation,
                 previous=solved[-1] if solved else None,
                 settings=settings.solve,
                 progress=progress,
             )
         )
     return solved
-
-
-def _scores(
-    samples: Samples,
-    solved: Sequence[SolvedPose],
-    movements: Sequence[edl.Movement],
-    detector: Offer,
-    progress: Progress,
-) -> ScoreTable:
-    """The visible field of every camera at every sample; no data while the lamp moves."""
-    progress.stage("Scoring the views", len(samples), "samples")
-    visible = np.full((len(samples), len(samples.cameras)), np.nan)
-    usable = np.zeros(visible.shape, bool)
-    for pose in solved:
-        scorer = detector.implementation.scorer(pose.scene)
-        for i in samples.within(pose.pose.range):
-            moment = samples[i]
-            moving = any(moment.frame in m.range for m in movements)
-            views = pose.scene.views(moment.pictures)
-            scores = {} if moving else _checked(scorer.score(views), [v.camera for v in views], detector)
-            for view in views:
-                column = samples.cameras.index(view.camera)
-                usable[i, column] = True
-                visible[i, column] = scores.get(view.camera, np.nan)
-            progress.advance(i + 1)
-    return ScoreTable(np.array(samples.frames), samples.cameras, visible, usable)
-
-
-def _checked(scores: Mapping[str, float], cameras: Sequence[str], detector: Offer) -> Mapping[str, float]:
-    """What a detector returned, refused by name when it is not one number in 0..1 for every view."""
-    for camera in cameras:
-        value = scores.get(camera)
-        if value is None or not 0 <= value <= 1:
-            raise PluginError(
-                f"gave {value!r} for camera {camera}, expected a number in 0..1",
-                where=f"occlusion detector {detector}",
-                remedy="Report it to its author, or choose another with --occlusion",
-            )
-    return scores
 
 
 def _field_place(solved: SolvedPose, size: tuple[int, int]) -> FieldPlace:

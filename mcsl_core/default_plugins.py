@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from .alignment import JointPlane
 from .centering import FieldCenterer
 from .features import RootSift
 from .filling import FootprintFiller, ReferenceFiller
@@ -19,6 +20,11 @@ def register_movement_detectors():
 @hookimpl
 def register_matchers():
     return [RootSift()]
+
+
+@hookimpl
+def register_aligners():
+    return [JointPlane()]
 
 
 @hookimpl

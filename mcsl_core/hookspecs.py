@@ -15,15 +15,16 @@ import numpy as np
 import pluggy
 from numpy.typing import NDArray
 
+from .alignment import Alignment, Correspondences
 from .centering import FieldPlace
-from .edl import CenteringKey, Movement, Shot
+from .edl import CenteringKey, Shot
 from .features import Features
 from .filling import Filler
 from .footage import Footage
 from .progress import Progress
 from .samples import Samples
 from .scene import Scene, View
-from .scores import ScoreTable
+from .scores import Detection, ScoreTable
 
 PROJECT = "mcsl"
 hookspec = pluggy.HookspecMarker(PROJECT)
@@ -36,8 +37,8 @@ class MovementDetector(Protocol):
     @property
     def name(self) -> str: ...
 
-    def detect(self, samples: Samples, footage: Footage, progress: Progress) -> Sequence[Movement]:
-        """Movements in order, not overlapping, inside [0, footage.frames).
+    def detect(self, samples: Samples, footage: Footage, progress: Progress) -> Detection:
+        """Movements in order, not overlapping, inside [0, footage.frames), and the curve they were judged by.
 
         samples: the recording about once a second, reduced; iterate it. footage: for a closer look at full rate.
         """
@@ -56,6 +57,26 @@ class Matcher(Protocol):
 
     def match(self, a: Features, b: Features) -> NDArray[np.intp]:
         """(M, 2) indices: point [i, 0] of ``a`` is point [i, 1] of ``b``; each point at most once."""
+        ...
+
+
+class Aligner(Protocol):
+    """Ties every camera of a pose to the reference camera."""
+
+    @property
+    def name(self) -> str: ...
+
+    def align(
+        self,
+        pairs: Mapping[tuple[str, str], Correspondences],
+        sizes: Mapping[str, tuple[int, int]],
+        reference: str,
+    ) -> Alignment:
+        """One homography per camera that can be tied in, the others as weak with a reason.
+
+        pairs: matches of cameras (a, b), pooled over clear moments; those in the surgical field weigh 1, those outside
+        about 0.01. sizes: every camera's (width, height).
+        """
         ...
 
 
@@ -110,6 +131,10 @@ class Hooks:
     @hookspec
     def register_matchers(self) -> Sequence[Matcher]:  # pyright: ignore[reportReturnType]
         """Matchers, chosen by ``--matcher NAME``."""
+
+    @hookspec
+    def register_aligners(self) -> Sequence[Aligner]:  # pyright: ignore[reportReturnType]
+        """Aligners, chosen by ``--aligner NAME``."""
 
     @hookspec
     def register_occlusion_detectors(self) -> Sequence[OcclusionDetector]:  # pyright: ignore[reportReturnType]

@@ -17,6 +17,7 @@ from .edl import Movement
 from .footage import Footage
 from .progress import Progress
 from .samples import SAMPLE_HEIGHT, Samples
+from .scores import Curve, Detection
 from .timing import FrameRange
 
 Grey = NDArray[np.float32]
@@ -73,7 +74,7 @@ class Stillness:
     looks_gone: int = field(default=4)
     name = "stillness"
 
-    def detect(self, samples: Samples, footage: Footage, progress: Progress) -> tuple[Movement, ...]:
+    def detect(self, samples: Samples, footage: Footage, progress: Progress) -> Detection:
         """The movements, in order, on the programme clock."""
         progress.stage("Looking for lamp movements", len(samples), "samples")
         coarse = self._coarse(samples, progress)
@@ -83,7 +84,9 @@ class Stillness:
         for number, (first, last) in enumerate(spans):
             found.append(self._time(first, last, coarse, samples, footage))
             progress.advance(number + 1)
-        return tuple(_apart(found))
+        middles = np.array(samples.frames[1:], np.int64)
+        curve = Curve("background in place", "", middles, coarse, np.full(len(middles), self.still))
+        return Detection(tuple(_apart(found)), curve)
 
     def _coarse(self, samples: Samples, progress: Progress) -> NDArray[np.float64]:
         """(S - 1,) stillness between neighbouring samples; NaN where nothing can be said."""

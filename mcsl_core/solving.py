@@ -15,11 +15,11 @@ from attrs import field, frozen
 from numpy.typing import NDArray
 
 from . import colour
-from .alignment import Alignment, AlignmentSettings, Correspondences, align, apply, fit_pair, pool
+from .alignment import Alignment, AlignmentSettings, Correspondences, apply, fit_pair, pool
 from .edl import IDENTITY, Colour, Matrix, Pose
 from .features import Features
 from .footage import Footage
-from .hookspecs import Matcher
+from .hookspecs import Aligner, Matcher
 from .occlusion import ClearFrames, degree_of_occlusion, field_area, field_from_hue, main_region
 from .progress import Progress
 from .samples import Samples
@@ -80,6 +80,7 @@ def solve_pose(
     *,
     reference: str,
     matcher: Matcher,
+    aligner: Aligner,
     previous: SolvedPose | None,
     settings: SolveSettings,
     progress: Progress,
@@ -109,7 +110,7 @@ def solve_pose(
     fields = {name: seen.field for name, seen in evidence.items()}
     for _ in range(2):
         pairs = {(a, b): _weighted(p, sizes, a, b, fields, settings) for (a, b), p in found.items()}
-        alignment = align(pairs, sizes, reference, settings.alignment)
+        alignment = aligner.align(pairs, sizes, reference)
         scene = _scene(alignment, sizes, reference, evidence, settings)
         fields |= {
             name: _field_in(scene, name, fields[name].shape) for name in alignment.homographies if name in fields

@@ -69,8 +69,8 @@ def test_a_field_changed_in_the_classes_makes_the_pages_stale(copy: Path):
 def test_a_method_changed_in_a_protocol_makes_the_page_stale(copy: Path):
     source = copy / "mcsl_core" / "hookspecs.py"
     text = source.read_text("utf-8")
-    assert "-> Sequence[Movement]:" in text
-    source.write_text(text.replace("-> Sequence[Movement]:", "-> list[Movement]:"), "utf-8")
+    assert "-> Detection:" in text
+    source.write_text(text.replace("-> Detection:", "-> list[Movement]:"), "utf-8")
     checked = generate(copy, "--check")
     assert (checked.returncode, checked.stderr) == (1, "docs/hooks.md is stale: run python docs/generate.py\n")
 

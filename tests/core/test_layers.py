@@ -26,7 +26,7 @@ FLOORS: dict[int, set[str]] = {
     2: {"sync", "movement", "features", "alignment", "occlusion", "selection", "centering", "filling", "colour"},
     3: {"compositor", "hookspecs", "stages", "default_plugins", "plugins"},
     4: {
-        *("solving", "analysis", "evaluation", "contact", "simulation", "demo"),
+        *("solving", "scoring", "analysis", "evaluation", "contact", "simulation", "demo"),
         *("conform", "programme_sound", "blender", "blender_child", "timeline", "presets", "rendering"),
     },
     5: {"console", "cli"},
