@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from .edl import Movement
 from .errors import PluginError
 from .plugins import Offer
 from .progress import Progress
