@@ -26,7 +26,8 @@ FLOORS: dict[int, set[str]] = {
     2: {"sync", "movement", "features", "alignment", "occlusion", "selection", "centering", "filling", "colour"},
     3: {"compositor", "hookspecs", "stages", "default_plugins", "plugins"},
     4: {
-        *("solving", "scoring", "analysis", "evaluation", "contact", "simulation", "demo"),
+        *("evaluation", "figures", "manual", "steadiness", "reduced", "coverage"),  # measuring a programme
+        *("solving", "scoring", "analysis", "contact", "simulation", "demo"),
         *("conform", "programme_sound", "blender", "blender_child", "timeline", "presets", "rendering"),
     },
     5: {"console", "cli"},
