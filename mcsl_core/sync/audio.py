@@ -1,16 +1,14 @@
-"""Bringing the cameras' clocks onto the reference camera's, from what their microphones heard together.
+"""Clocks from what the cameras' microphones heard together.
 
-A camera's own time is (t - offset_s) * (1 + drift_ppm * 1e-6) at programme time t, which is the reference camera's
-own time. First coarse, by the loudness of three bands every 10 ms, over twenty minutes or all; then fine, by the
+First coarse, by the loudness of three bands every 10 ms, over twenty minutes or all; then fine, by the
 phase of the waveform in short windows over the whole length, through which a line is laid: its height is the offset,
 its slope the drift. What is weak or ambiguous (a monitor's beep fits at every second) is refused, not guessed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import attrs
@@ -18,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage, signal
 
-from .edl import Camera, Clock
-from .errors import UsageError
-from .footage import Footage
-from .progress import Progress, Silent
+from ..edl import Clock
+from ..footage import Footage
+from ..progress import Progress
+from .agreement import MOST_DRIFT, Found, Refusal, length_s, robust_line
 
 Floats = NDArray[np.float64]
 
@@ -31,73 +29,29 @@ BANDS_HZ = ((150, 700), (700, 1800), (1800, 3600))
 FIRST_LOOK_S = 1200.0
 WINDOW_S = 40.0  # coarse
 FINE_S = 8.0
-MOST_DRIFT = 500e-6  # ten times a poor crystal
 CLEAR_PEAK = 7.0  # in deviations: the highest of a million random values is 5
 LEAST_LEAD = 1.25  # the best explanation must beat the next by this
 
 
-class _Refusal(Exception):
-    """Why two sounds cannot be brought together, in words for a person."""
-
-
-def synchronise(
-    method: str,
-    cameras: Sequence[Camera],
-    base: Path,
-    progress: Progress | None = None,
-    *,
-    reference: str | None = None,
-) -> tuple[Clock, ...]:
-    """A clock for each camera, in their order; the ``reference`` camera's (the first by default) is the programme's.
-
-    method: "audio", "none" (all start together), or "auto": audio where it is sure, else none. A camera whose sound
-    does not settle it gets method "none" with confidence 0, and ``progress`` is told why. base: the folder that media
-    paths are relative to. UsageError for another method.
-    """
-    progress = progress or Silent()
-    if method not in METHODS:
-        raise UsageError(f"there is no sync method {method!r}", remedy=f"Choose one of {', '.join(METHODS)}")
-    if not cameras:
-        return ()
-    return METHODS[method](tuple(cameras), Path(base), progress, reference or cameras[0].name)
-
-
-def _none(cameras: tuple[Camera, ...], base: Path, progress: Progress, reference: str) -> tuple[Clock, ...]:
-    return tuple(Clock() for _ in cameras)
-
-
-def _audio(cameras: tuple[Camera, ...], base: Path, progress: Progress, reference: str) -> tuple[Clock, ...]:
-    plain = tuple(attrs.evolve(camera, clock=Clock()) for camera in cameras)
-    listener = _Listener(plain, base)
-    progress.stage("Listening to the cameras", len(cameras), "cameras")
-    clocks = []
-    for number, camera in enumerate(plain):
-        if camera.name == reference:
-            clock = Clock(method="audio", confidence=1.0) if listener.hears(reference) else Clock()
-        else:
-            try:
-                clock = listener.match(reference, camera.name)
-            except _Refusal as refusal:
-                progress.note(f"{camera.name} is taken to start with {reference}: {refusal}")
-                clock = Clock()
-        clocks.append(clock)
+def find(footage: Footage, reference: str, wanted: Sequence[str], progress: Progress) -> Found:
+    """The clocks of the cameras ``wanted`` against ``reference``, each found by its sound or refused."""
+    listener = _Listener(footage)
+    found: dict[str, Clock | Refusal] = {}
+    progress.stage("Listening to the cameras", len(wanted), "cameras")
+    for number, camera in enumerate(wanted):
+        try:
+            found[camera] = listener.match(reference, camera)
+        except Refusal as refusal:
+            found[camera] = refusal
         progress.advance(number + 1)
-    return tuple(clocks)
-
-
-METHODS: Mapping[str, Callable[[tuple[Camera, ...], Path, Progress, str], tuple[Clock, ...]]] = {
-    "auto": _audio,
-    "audio": _audio,
-    "none": _none,
-}
+    return found
 
 
 class _Listener:
     """The cameras' sounds, each on its own clock; loudness is worked out once."""
 
-    def __init__(self, cameras: tuple[Camera, ...], base: Path) -> None:
-        self._cameras, self._base = {c.name: c for c in cameras}, base
-        self._footage = Footage(cameras, rate=Fraction(1), frames=1, base=base)
+    def __init__(self, footage: Footage) -> None:
+        self._footage = footage
         self._loudness: dict[tuple[str, float], Floats] = {}
         self._windows: dict[tuple[str, float], NDArray[np.float32]] = {}
 
@@ -105,7 +59,7 @@ class _Listener:
         return any(part.facts.has_audio for part in self._footage.parts(camera))
 
     def length_s(self, camera: str) -> float:
-        return float(self._footage.parts(camera)[-1].end_s)
+        return length_s(self._footage, camera)
 
     def loudness(self, camera: str, limit_s: float) -> Floats:
         """(3, n) of the first ``limit_s`` seconds, see `loudness_of`."""
@@ -115,14 +69,14 @@ class _Listener:
         return self._loudness[key]
 
     def match(self, reference: str, camera: str) -> Clock:
-        """The clock of ``camera`` against ``reference``; _Refusal where it is not certain."""
+        """The clock of ``camera`` against ``reference``; Refusal where it is not certain."""
         for name in (reference, camera):
             if not self.hears(name):
-                raise _Refusal(f"{name} has no sound")
+                raise Refusal(f"{name} has no sound")
         longest = max(self.length_s(reference), self.length_s(camera))
         try:
             lag, lead = coarse_lag(self.loudness(reference, FIRST_LOOK_S), self.loudness(camera, FIRST_LOOK_S))
-        except _Refusal:
+        except Refusal:
             if longest <= FIRST_LOOK_S:
                 raise
             lag, lead = coarse_lag(self.loudness(reference, longest), self.loudness(camera, longest))
@@ -140,14 +94,15 @@ class _Listener:
         overlap_stop = min(self.length_s(reference), clock.offset_s + self.length_s(camera))
         span = overlap_stop - overlap_start
         if span < 3 * FINE_S:
-            raise _Refusal(f"they have only {max(0.0, span):.0f} s of sound in common")
+            raise Refusal(f"they have only {max(0.0, span):.0f} s of sound in common")
         count = int(np.clip(span / FINE_S / 1.5, 3, 20))
         starts = np.linspace(overlap_start, overlap_stop - FINE_S, count)
         middle = (overlap_start + min(overlap_stop, overlap_start + FIRST_LOOK_S)) / 2
         share = 0.0
         for reach_s in (0.1, 0.05, 0.02):
-            through = attrs.evolve(self._cameras[camera], clock=clock)
-            both = Footage([self._cameras[reference], through], rate=Fraction(1), frames=1, base=self._base)
+            through = attrs.evolve(self._footage.camera(camera), clock=clock)
+            pair = [self._footage.camera(reference), through]
+            both = Footage(pair, rate=Fraction(1), frames=1, base=self._footage.base)
             found: list[tuple[float, float]] = []
             heard = 0
             # From where the coarse lag was found outward: each window starts from the line through those before it.
@@ -159,8 +114,8 @@ class _Listener:
                     if not np.isnan(lag):
                         found.append((float(start) + FINE_S / 2, lag))
             if heard == 0:
-                raise _Refusal("they are silent where they overlap")
-            level, slope, share = robust_line(found, heard)
+                raise Refusal("they are silent where they overlap")
+            level, slope, share = robust_line(found, heard, 2e-3)
             clock = Clock(
                 offset_s=(clock.offset_s - level) / (1 + slope),
                 drift_ppm=((1 + slope) * (1 + clock.drift_ppm * 1e-6) - 1) * 1e6,
@@ -190,7 +145,7 @@ def _along(found: Sequence[tuple[float, float]], start: float) -> float:
     return float(np.median([lag for _, lag in nearest]))
 
 
-def loudness_of(blocks) -> Floats:
+def loudness_of(blocks: Iterable[NDArray]) -> Floats:
     """(3, n): log energy of three bands every 10 ms, less its mean over two seconds; 0 where there is no sound."""
     filters: list[Any] = [signal.butter(4, band, "bandpass", fs=RATE, output="sos") for band in BANDS_HZ]
     states = [np.zeros((len(sos), 2)) for sos in filters]
@@ -219,16 +174,16 @@ def coarse_lag(reference: Floats, other: Floats) -> tuple[float, float]:
     """(programme time in s at which ``other`` begins, lead over the next-best answer) from two loudness tracks.
 
     Windows of ``reference`` are looked up in all of ``other``; each offers its five best places. The answer is what
-    most of them agree on within 0.1 s, allowing for drift. _Refusal where that is too little or nearly as much agree
+    most of them agree on within 0.1 s, allowing for drift. Refusal where that is too little or nearly as much agree
     on something else.
     """
     size = int(WINDOW_S * RATE / HOP)
     length = reference.shape[1]
     size = min(size, max(300, length // 3))
     if min(length, other.shape[1]) < 300:
-        raise _Refusal("their sound is shorter than 3 s")
+        raise Refusal("their sound is shorter than 3 s")
     if min(reference.std(), other.std()) < 1e-3:
-        raise _Refusal("one of them is silent")
+        raise Refusal("one of them is silent")
     starts = np.unique(
         np.linspace(0, max(0, length - size), min(24, 1 + 2 * max(0, length - size) // size)).astype(int)
     )
@@ -241,16 +196,16 @@ def coarse_lag(reference: Floats, other: Floats) -> tuple[float, float]:
         for lag, height in _places(window, other):
             offers.append(((start + size / 2) * hop_s, (start - lag) * hop_s, height))
     if not offers:
-        raise _Refusal("one of them is silent")
+        raise Refusal("one of them is silent")
     table = np.array(offers)
     scores = np.array([_support(table, row) for row in table])
     best = int(scores.argmax())
     if scores[best] < CLEAR_PEAK:
-        raise _Refusal("nothing in their sound fits together")
+        raise Refusal("nothing in their sound fits together")
     rivals = scores[np.abs(table[:, 1] - table[best, 1]) > 0.3 + MOST_DRIFT * length * hop_s]
     lead = float(scores[best] / rivals.max()) if len(rivals) and rivals.max() > 0 else 10.0
     if lead < LEAST_LEAD:
-        raise _Refusal("their sound fits together in several ways")
+        raise Refusal("their sound fits together in several ways")
     return float(table[best, 1]), lead
 
 
@@ -303,27 +258,3 @@ def phase_lag(reference: NDArray, other: NDArray, reach_s: float) -> tuple[float
         left, top, right = near[at - 1 : at + 2]
         shift = 0.5 * (left - right) / (left - 2 * top + right)
     return (at - reach + float(shift)) / RATE, float(near[at] / spread)
-
-
-def robust_line(found: Sequence[tuple[float, float]], heard: int) -> tuple[float, float, float]:
-    """(height at time 0, slope, share that agree) of the line through (time, lag) that most agree with within 2 ms.
-
-    heard: how many windows had sound. _Refusal when fewer than three, or fewer than half of them, agree.
-    """
-    if len(found) < 3:
-        raise _Refusal(f"only {len(found)} of {heard} stretches have sound in common")
-    points = np.array(found)
-    best: NDArray[np.bool_] | None = None
-    for i in range(len(points)):
-        for j in range(i + 1, len(points)):
-            slope = (points[j, 1] - points[i, 1]) / (points[j, 0] - points[i, 0])
-            if abs(slope) > MOST_DRIFT:
-                continue
-            near = np.abs(points[:, 1] - points[i, 1] - slope * (points[:, 0] - points[i, 0])) < 2e-3
-            if best is None or near.sum() > best.sum():
-                best = near
-    if best is None or best.sum() < 3 or best.sum() < heard / 2:
-        agree = 0 if best is None else int(best.sum())
-        raise _Refusal(f"only {agree} of {heard} stretches agree on one clock")
-    slope, level = np.polyfit(points[best, 0], points[best, 1], 1)
-    return float(level), float(slope), float(best.sum() / heard)
