@@ -154,7 +154,7 @@ def simulate(session: Session, out: Path, size: str, rate: str, **scene: Any) ->
 @click.option("-o", "--out", type=PATH, required=True, help="The EDL; an existing one keeps its overrides.")
 @click.option("--reference", metavar="CAMERA", help="Whose perspective the programme keeps (default: the first).")
 @click.option("--rate", help="Programme frames per second (default: the reference camera's).")
-@click.option("--sync", default="auto", show_default=True, help="How clocks are matched: auto, audio, none.")
+@click.option("--sync", default="auto", show_default=True, help="auto (first sure), timecode, audio, motion or none.")
 @_stage_options
 @click.pass_obj
 def analyse(
@@ -272,6 +272,57 @@ def render(session: Session, source: Path, out: Path, preset: str, engine: str, 
     with session.progress() as progress:
         rendering.render(source, out, preset=preset, engine=engine, blender=blender, jobs=jobs, progress=progress)
     session.result({"video": str(out)}, f"{out}: {out.stat().st_size / 1e6:.1f} MB")
+
+
+@cli.command()
+@click.argument("edl", type=PATH, required=False)
+@click.option("--manual", type=PATH, help="Alignments by hand (JSON or CSV): measures Manual-alignment too.")
+@click.option(
+    "--manual-fit",
+    type=click.Choice(["similarity", "homography"]),
+    default="similarity",
+    show_default=True,
+    help="What point pairs set by hand become.",
+)
+@click.option(
+    "--every", default=1, show_default=True, metavar="N", help="One in N pairs within shots; 0: switches alone."
+)
+@click.option("--size", "width", default=640, show_default=True, metavar="W", help="Width of the pictures measured.")
+@click.option("--colour", is_flag=True, help="Match the cameras' colours in all variants.")
+@click.option("--study", type=PATH, help="Test the ratings of a viewers' questionnaire (CSV) instead.")
+@click.option("--csv", "csv_file", type=PATH, help="Write the figures as CSV.")
+@click.option("--json", "json_file", type=PATH, help="Write the figures as JSON (mcsl report takes it).")
+@click.pass_obj
+def evaluate(
+    session: Session, edl: Path | None, study: Path | None, csv_file: Path | None, json_file: Path | None, **how: Any
+) -> None:
+    """Measure how steady the programme of EDL is.
+
+    ITF and AvSpeed without alignment, aligned by hand, and as mcsl makes it; docs/evaluation.md says how.
+    """
+    from . import console
+    from .documents import write_atomic
+
+    if study is not None and edl is None:
+        from . import study as studies
+
+        results = studies.analyse_study(study)
+        shown, as_csv, as_json = console.study_table(results), studies.to_csv(results), studies.to_json(results)
+    elif edl is not None and study is None:
+        from . import evaluation, figures
+
+        with session.progress() as progress:
+            found = evaluation.evaluate_file(edl, **how, progress=progress)
+        shown, as_csv, as_json = console.steadiness_table(found), figures.to_csv(found), figures.to_json(found)
+    else:
+        raise UsageError("takes an EDL, or --study with a file of ratings", remedy="See: mcsl evaluate --help")
+    for path, text in ((csv_file, as_csv), (json_file, as_json)):
+        if path is not None:
+            write_atomic(path, text.encode())
+    if session.json:
+        session.json.result(json.loads(as_json))
+    else:
+        session.out.print(shown, soft_wrap=False)
 
 
 @cli.command("plugins")

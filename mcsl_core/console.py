@@ -1,13 +1,13 @@
-"""Progress for a person at a terminal: stages, a bar, the rate and the time left; one line a stage elsewhere."""
+"""For a person at a terminal: progress as a bar, with rate and time left (one line a stage elsewhere), and tables."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
 
 from attrs import define, field
-from rich.console import Console
+from rich.console import Console, Group
 from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
@@ -20,9 +20,14 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 from rich.progress import Progress as RichProgress
+from rich.table import Table
 from rich.text import Text
 
 from .progress import CancelToken
+
+if TYPE_CHECKING:  # they import scipy and OpenCV, and bars must not wait for that
+    from .figures import Evaluation
+    from .study import Result
 
 
 class _RateColumn(ProgressColumn):
@@ -104,3 +109,62 @@ class Lines:
     def note(self, text: str) -> None:
         self.token.check()
         self.write(f"{time.monotonic() - self._began:7.1f} s  note: {text}")
+
+
+def steadiness_table(evaluation: Evaluation) -> Group:
+    """The figures of every variant, over the whole and over the switches; the conditions at the foot."""
+    conditions, (width, height) = evaluation.conditions, evaluation.conditions.size
+    sampled = {0: ", switches alone", 1: ""}.get(conditions.every, f", one in {conditions.every} pairs within shots")
+    foot = [
+        "ITF in dB, over all pixels and over the valid ones (both frames have them); AvSpeed in pixels a frame.",
+        f"Pictures: {width}x{height}, {conditions.picture}{sampled}.",
+        f"Points within shots: {conditions.within_camera}.",
+        f"Points at switches: {conditions.at_switches}.",
+    ]
+    names = {m.name for m in evaluation.measured}
+    if {"auto", "manual"} <= names and (gains := evaluation.gains()):
+        words = {"itf": "ITF", "itf_valid": "ITF valid", "av_speed": "AvSpeed"}
+        told = [
+            f"{'at switches ' if key.startswith('switches_') else ''}{words[key.removeprefix('switches_')]} "
+            f"{-value if key.endswith('speed') else value:+.0f} %"
+            for key, value in gains.items()
+        ]
+        foot.insert(0, f"Auto against Manual: {', '.join(told)}.")
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("", no_wrap=True)
+    scopes = ["whole", "switches"] if conditions.every else ["switches"]
+    for scope in scopes:
+        for heading in (f"{scope}\nITF", "\nvalid", "\nspeed"):
+            table.add_column(heading, justify="right", no_wrap=True)
+    for row in evaluation.measured:
+        cells = []
+        for means in (row.whole, row.switches) if conditions.every else (row.switches,):
+            values = (means.itf_db, means.itf_valid_db, means.av_speed_px) if means else (None,) * 3
+            cells += ["-" if value is None else f"{value:.2f}" for value in values]
+        table.add_row(row.label, *cells)
+    return Group(table, "", *foot)
+
+
+def study_table(results: Sequence[Result]) -> Group:
+    """Each video's and factor's tests, those significant at 5 % marked by a star."""
+    foot = (
+        "* significant at 5 %. Friedman: chi-square, effect Kendall's W. Pairs: Wilcoxon's signed ranks, two-sided; n "
+        "who differ (equal ratings left out), the smaller sum of ranks, p exact unless marked ~, effect the "
+        "rank-biserial correlation."
+    )
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for heading in ("video", "factor", "test"):
+        table.add_column(heading, overflow="fold")
+    for heading in ("n", "statistic", "p", "p (Holm)", "effect"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for r in results:
+        f = r.friedman
+        if f is not None:
+            p = "-" if f.p is None else f"{f.p:.4f}{'*' if f.significant else ' '}"
+            numbers = ["-" if v is None else f"{v:.2f}" for v in (f.statistic, f.kendall_w)]
+            table.add_row(r.video, r.factor, "Friedman", str(r.participants), numbers[0], p, "", numbers[1])
+        for w in r.pairs:
+            p = f"{'' if w.exact else '~'}{w.p:.4f}{'*' if w.significant else ' '}"
+            numbers = [f"{w.statistic:g}", p, f"{w.p_holm:.4f}", f"{w.effect:+.2f}"]
+            table.add_row(r.video, r.factor, f"{w.a} - {w.b}", str(w.n), *numbers)
+    return Group(table, "", foot)

@@ -22,10 +22,11 @@ from numpy.typing import NDArray
 from .compositor import Compositor, programme_matrix
 from .coverage import Coverage, has_picture
 from .edl import IDENTITY, Decision, Edl, Look, offset_at, resolve
+from .edl import load as load_edl
 from .errors import UsageError
 from .figures import Conditions, Evaluation, Measured, Pair, Steadiness, Switch
 from .images import U8, Planes, psnr
-from .manual import ByHand, aligned_by_hand
+from .manual import ByHand, aligned_by_hand, load_manual
 from .progress import Progress, Silent
 from .reduced import SharedFootage, reduced, reduced_filler, reduced_size
 from .steadiness import NO_TRACKS, Tracker, fidelity_db, grey, speed_px
@@ -151,6 +152,23 @@ def evaluate(
         for variant, result in zip(variants, results, strict=True)
     )
     return Evaluation(Conditions(size, every), switches, rows)
+
+
+def evaluate_file(
+    path: Path,
+    *,
+    manual: Path | None = None,
+    manual_fit: str = "similarity",
+    width: int = WIDTH,
+    every: int = 1,
+    colour: bool = False,
+    progress: Progress | None = None,
+) -> Evaluation:
+    """`evaluate` of the EDL at ``path`` in the standard variants; manual: a file of alignments by hand."""
+    edl = load_edl(path)
+    by_hand = None if manual is None else load_manual(manual, edl, fit=manual_fit)
+    variants = standard_variants(edl, manual=by_hand, colour=colour)
+    return evaluate(edl, path.parent, variants, width=width, every=every, progress=progress)
 
 
 def _summary(pairs: Mapping[int, Pair], switches: set[int], within: set[int], total: int) -> Steadiness:

@@ -39,7 +39,7 @@ def _scaled(values: ArrayLike) -> Matrix:
 def _points(source: ArrayLike, target: ArrayLike, least: int) -> tuple[NDArray, NDArray]:
     a, b = np.asarray(source, np.float64), np.asarray(target, np.float64)
     if a.ndim != 2 or a.shape[1:] != (2,) or a.shape != b.shape:
-        raise ValueError(f"expected as many (x, y) on either side, got shapes {a.shape} and {b.shape}")
+        raise ValueError(f"expected as many points (x, y) on either side, got shapes {a.shape} and {b.shape}")
     if len(a) < least:
         raise ValueError(f"expected at least {least} point pairs, got {len(a)}")
     return a, b

@@ -26,7 +26,7 @@ FLOORS: dict[int, set[str]] = {
     2: {"sync", "movement", "features", "alignment", "occlusion", "selection", "centering", "filling", "colour"},
     3: {"compositor", "hookspecs", "stages", "default_plugins", "plugins"},
     4: {
-        *("evaluation", "figures", "manual", "steadiness", "reduced", "coverage"),  # measuring a programme
+        *("evaluation", "figures", "manual", "steadiness", "reduced", "coverage", "study"),  # measuring a programme
         *("solving", "scoring", "analysis", "contact", "simulation", "demo"),
         *("conform", "programme_sound", "blender", "blender_child", "timeline", "presets", "rendering"),
     },
