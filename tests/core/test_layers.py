@@ -32,7 +32,7 @@ FLOORS: dict[int, set[str]] = {
     },
     5: {"console", "cli"},
 }
-PACKAGES = {"simulation", "sync", "video"}  # those of the table that are packages: their modules stand on their floor
+PACKAGES = {"movement", "simulation", "sync", "video"}  # those of the table that are packages: their modules stand on their floor
 STAGES = 2  # the floor on which modules do not import each other: values pass between them through analysis.py
 
 # Of the add-on, what runs anywhere and what needs Blender.

@@ -1,0 +1,5 @@
+"""When the lamp moves. All cameras sit on one lamp: they start and stop together."""
+
+from .stillness import Stillness
+
+__all__ = ["Stillness"]
