@@ -325,6 +325,23 @@ def evaluate(
         session.out.print(shown, soft_wrap=False)
 
 
+@cli.command()
+@click.argument("edl", type=PATH)
+@click.option("-o", "--out", type=PATH, required=True, help="The page (.html).")
+@click.option("--figures", type=PATH, help="From mcsl evaluate --json (default: measured at the switches).")
+@click.pass_obj
+def report(session: Session, edl: Path, out: Path, figures: Path | None) -> None:
+    """Write a page about EDL that is read in a minute.
+
+    Cameras, shots, movements, alignment, clocks and steadiness; self-contained, for any browser.
+    """
+    from .report import write_report
+
+    with session.progress() as progress:
+        write_report(edl, out, figures_path=figures, progress=progress)
+    session.result({"report": str(out)}, f"{out}: {out.stat().st_size / 1e6:.1f} MB, open it in a browser")
+
+
 @cli.command("plugins")
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
 @click.pass_obj

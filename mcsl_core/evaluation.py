@@ -103,14 +103,15 @@ def evaluate(
     *,
     width: int = WIDTH,
     every: int = 1,
+    most_switches: int | None = None,
     progress: Progress | None = None,
 ) -> Evaluation:
     """Measures ``variants`` (`standard_variants` without) of one programme.
 
     base: the folder that media paths are relative to. width: of the pictures measured, the programme's at most. every:
     of the pairs of neighbouring frames within a shot one in so many is measured and stands for the others, 0 for none
-    of them; the pairs at switches are measured all. Every camera is decoded once for all variants. UsageError where
-    a variant has other shots; else raises what reading raises.
+    of them; the pairs at switches are measured all, or with ``most_switches`` so many, spread evenly. Every camera
+    is decoded once for all variants. UsageError where a variant has other shots; else raises what reading raises.
     """
     if every < 0 or width < 16:
         raise UsageError(f"every must be 0 or more and the width 16 or more, got {every} and {width}")
@@ -119,9 +120,11 @@ def evaluate(
     for variant in variants:
         if _cuts(variant.edl) != _cuts(edl) or variant.edl.frames != edl.frames or variant.edl.cameras != edl.cameras:
             raise UsageError(f"the variant {variant.name!r} does not show the same shots of the same cameras")
-    switches = _switches(edl)
-    at_switches = {s.frame - 1 for s in switches}
-    within = {j for j in range(0, edl.frames - 1, every) if j not in at_switches} if every else set()
+    switches = every_switch = _switches(edl)
+    if most_switches is not None and len(switches) > most_switches:
+        switches = tuple(switches[i * len(switches) // most_switches] for i in range(most_switches))
+    at_switches, cuts = ({s.frame - 1 for s in group} for group in (switches, every_switch))
+    within = {j for j in range(0, edl.frames - 1, every) if j not in cuts} if every else set()
     size = reduced_size(edl.size, width)
     results: list[dict[int, Pair]] = [{} for _ in variants]
     progress.stage("Measuring the programme", len(at_switches | within), "pairs")
@@ -140,18 +143,19 @@ def evaluate(
                         result[frame - 1] = pair
                 done += frame > run.start
                 progress.advance(done)
-    total = edl.frames - 1
+    weights = {j: len(cuts) / len(at_switches) for j in at_switches}
+    others = {j: (edl.frames - 1 - len(cuts)) / len(within) for j in within}
     rows = tuple(
         Measured(
             variant.name,
             variant.label,
-            _summary(result, at_switches, within, total) if every else None,
-            _summary(result, at_switches, set(), len(at_switches)),
+            _summary(result, weights | others) if every else None,
+            _summary(result, weights),
             tuple(result[s.frame - 1] for s in switches),
         )
         for variant, result in zip(variants, results, strict=True)
     )
-    return Evaluation(Conditions(size, every), switches, rows)
+    return Evaluation(Conditions(size, every, len(cuts)), switches, rows)
 
 
 def evaluate_file(
@@ -171,22 +175,20 @@ def evaluate_file(
     return evaluate(edl, path.parent, variants, width=width, every=every, progress=progress)
 
 
-def _summary(pairs: Mapping[int, Pair], switches: set[int], within: set[int], total: int) -> Steadiness:
-    """Means over ``total`` pairs: every switch counts as one, the others share what is left evenly."""
-    looked = [j for j in (*sorted(switches), *sorted(within)) if j in pairs]
-    each = (total - len(switches)) / len(within) if within else 0.0
-    weights = [1.0 if j in switches else each for j in looked]
+def _summary(pairs: Mapping[int, Pair], weights: Mapping[int, float]) -> Steadiness:
+    """Means over the pairs, each standing for as many as its weight says."""
+    looked = [(pairs[j], weights[j]) for j in sorted(weights)]
 
-    def mean(values: Iterable[float | None]) -> float | None:
-        known = [(value, weight) for value, weight in zip(values, weights, strict=True) if value is not None]
+    def mean(name: str) -> float | None:
+        known = [(value, weight) for pair, weight in looked if (value := getattr(pair, name)) is not None]
         return math.fsum(v * w for v, w in known) / math.fsum(w for _, w in known) if known else None
 
     return Steadiness(
-        mean(pairs[j].psnr_db for j in looked),
-        mean(pairs[j].psnr_valid_db for j in looked),
-        mean(pairs[j].speed_px for j in looked),
-        total,
-        sum(pairs[j].speed_px is not None for j in looked),
+        mean("psnr_db"),
+        mean("psnr_valid_db"),
+        mean("speed_px"),
+        round(math.fsum(weights.values())),
+        sum(pair.speed_px is not None for pair, _ in looked),
     )
 
 

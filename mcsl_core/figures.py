@@ -64,10 +64,12 @@ class Switch:
 @frozen
 class Conditions:
     """What the figures were measured with. size: (width, height) of the pictures. every: of the pairs without a
-    switch one in so many was measured, 0 for none."""
+    switch one in so many was measured, 0 for none. switches: how many there are, of which all or some were measured.
+    """
 
     size: tuple[int, int]
     every: int
+    switches: int
     within_camera: str = FOLLOWED
     at_switches: str = MATCHED
     picture: str = "luma, full range"

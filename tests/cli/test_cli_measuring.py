@@ -76,7 +76,17 @@ def test_evaluate_takes_an_edl_or_a_study(arguments: list[str]) -> None:
     assert "takes an EDL, or --study" in done.stderr
 
 
-@pytest.mark.parametrize("command", ["evaluate"])
+def test_report_writes_a_page(edl: Path, tmp_path: Path) -> None:
+    done = mcsl("report", edl, "-o", tmp_path / "deep" / "r.html")
+    assert done.returncode == 0, done.stderr
+    assert "open it in a browser" in done.stdout
+    assert (tmp_path / "deep" / "r.html").read_text("utf-8").startswith("<!doctype html>")
+    missing = mcsl("report", tmp_path / "none.json", "-o", tmp_path / "r.html")
+    assert missing.returncode == 3
+    assert "none.json: cannot be read" in missing.stderr
+
+
+@pytest.mark.parametrize("command", ["evaluate", "report"])
 def test_help_fits_a_terminal(command: str) -> None:
     done = mcsl(command, "--help")
     assert done.returncode == 0

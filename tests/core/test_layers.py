@@ -26,13 +26,14 @@ FLOORS: dict[int, set[str]] = {
     2: {"sync", "movement", "features", "alignment", "occlusion", "selection", "centering", "filling", "colour"},
     3: {"compositor", "hookspecs", "stages", "default_plugins", "plugins"},
     4: {
-        *("evaluation", "figures", "manual", "steadiness", "reduced", "coverage", "study"),  # measuring a programme
+        *("evaluation", "figures", "manual", "steadiness", "reduced", "coverage", "study", "report"),  # measuring
         *("solving", "scoring", "analysis", "contact", "simulation", "demo"),
         *("conform", "programme_sound", "blender", "blender_child", "timeline", "presets", "rendering"),
     },
     5: {"console", "cli"},
 }
-PACKAGES = {"movement", "simulation", "sync", "video"}  # those of the table that are packages: their modules stand on their floor
+# Those of the table that are packages: their modules stand on their floor.
+PACKAGES = {"movement", "report", "simulation", "sync", "video"}
 STAGES = 2  # the floor on which modules do not import each other: values pass between them through analysis.py
 
 # Of the add-on, what runs anywhere and what needs Blender.
@@ -40,7 +41,13 @@ ADDON_PURE = {"__init__", "plan", "readback", "similarity", "background"}
 ADDON_BPY = {"operators", "output", "panels", "scenes", "strips", "tasks"}
 
 # Third-party packages with a home: nobody else imports them.
-HOMES = {"av": {"video"}, "click": {"cli"}, "rich": {"cli", "console"}, "pluggy": {"hookspecs", "plugins"}}
+HOMES = {
+    "av": {"video"},
+    "click": {"cli"},
+    "jinja2": {"report"},
+    "rich": {"cli", "console"},
+    "pluggy": {"hookspecs", "plugins"},
+}
 FLOOR_0_PACKAGES = {"attr", "attrs", "cattr", "cattrs"}
 NEEDED_BY_THEM = {"typing_extensions", "exceptiongroup"}
 BLENDER = {"bpy", "bpy_extras", "bl_ui", "bl_operators", "mathutils", "addon_utils", "imbuf", "gpu", "aud", "blf"}

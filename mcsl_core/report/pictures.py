@@ -1,0 +1,127 @@
+"""The report's pictures: the views of each pose laid over each other before and after alignment, and the programme.
+
+Pictures are BGR, (H, W, 3) uint8, and go into the page as data: it fetches nothing.
+"""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping, Sequence
+from contextlib import closing
+from pathlib import Path
+
+import cv2
+import numpy as np
+from attrs import frozen
+from numpy.typing import NDArray
+
+from ..compositor import Compositor, programme_matrix, scaled_identity
+from ..coverage import Coverage
+from ..edl import Edl, Pose, resolve
+from ..footage import Footage
+from ..images import planes_to_bgr
+from ..progress import Progress
+from ..reduced import reduced, reduced_filler, reduced_size
+from ..scores import ScoreTable
+from ..timing import FrameRange
+
+WIDTH = 480  # of the pictures: sharp enough to see a ghost of two pixels in 640, 20 to 40 kB each
+_QUALITY = 80
+
+Picture = NDArray[np.uint8]
+
+
+@frozen
+class PosePictures:
+    """One pose at one moment, as data URLs. views: how many cameras lie in ``after``.
+
+    shares: camera -> share of the programme's pixels that come from it, the chosen ``camera``'s first; what no camera
+    sees is missing to 1.
+    """
+
+    frame: int
+    camera: str
+    before: str
+    after: str
+    programme: str
+    views: int
+    size: tuple[int, int]
+    shares: Mapping[str, float]
+
+
+def pose_pictures(edl: Edl, base: Path, scores: ScoreTable | None, progress: Progress) -> list[PosePictures | None]:
+    """The pictures of every pose, decoded from the footage; None for a pose in which no camera has a picture.
+
+    Raises what reading raises.
+    """
+    size = reduced_size(edl.size, WIDTH)
+    small = reduced(edl, size)
+    footage = Footage(small.cameras, rate=edl.rate, frames=edl.frames, base=base)
+    compositor = Compositor(small, footage, filler=reduced_filler(edl, size))
+    coverage = Coverage(small, footage, filler=reduced_filler(edl, size))
+    made: list[PosePictures | None] = []
+    progress.stage("Taking the report's pictures", len(edl.poses), "poses")
+    with closing(compositor):
+        for number, pose in enumerate(small.poses):
+            frame = clearest(pose, scores)
+            views = {c.name: compositor.picture(c.name, frame) for c in small.cameras}
+            pictures = {name: planes_to_bgr(planes) for name, planes in views.items() if planes is not None}
+            made.append(_of_pose(small, pose, frame, pictures, compositor, coverage) if pictures else None)
+            progress.advance(number + 1)
+    return made
+
+
+def clearest(pose: Pose, scores: ScoreTable | None) -> int:
+    """The frame the pose is shown at: of those it was solved from, the one in which the cameras see most together."""
+    candidates = pose.solved_from or ((pose.range.start + pose.range.stop) // 2,)
+    inside = [frame for frame in candidates if frame in pose.range] or [(pose.range.start + pose.range.stop) // 2]
+    if scores is None or not len(scores.frames):
+        return inside[len(inside) // 2]
+    rows = [int(np.abs(scores.frames - frame).argmin()) for frame in inside]
+    sums = [float(np.nansum(scores.visible[row])) for row in rows]
+    return inside[int(np.argmax(sums))]
+
+
+def _of_pose(
+    edl: Edl,
+    pose: Pose,
+    frame: int,
+    pictures: Mapping[str, Picture],
+    compositor: Compositor,
+    coverage: Coverage,
+) -> PosePictures:
+    plain = {name: scaled_identity((p.shape[1], p.shape[0]), edl.size) for name, p in pictures.items()}
+    tied = [name for name in pictures if name in pose.homographies or name == edl.reference]
+    aligned = {name: programme_matrix(edl, pose, name) for name in tied}
+    camera = next(decision.camera for piece, decision in resolve(edl) if frame in piece)
+    shares = {name: float(share.mean()) for name, share in coverage.shares(frame).items()}
+    order = sorted(shares, key=lambda name: (name != camera, -shares[name]))
+    return PosePictures(
+        frame,
+        camera,
+        before=data_url(superimposed(pictures, plain, edl.size)),
+        after=data_url(superimposed(pictures, aligned, edl.size)),
+        programme=data_url(planes_to_bgr(next(iter(compositor.frames(FrameRange(frame, frame + 1)))))),
+        views=len(tied),
+        size=edl.size,
+        shares={name: shares[name] for name in order if shares[name] >= 0.005},
+    )
+
+
+def superimposed(pictures: Mapping[str, Picture], matrices: Mapping[str, NDArray], size: tuple[int, int]) -> Picture:
+    """The mean of the views that cover each pixel, each through its matrix (picture pixel -> programme pixel); what
+    agrees stays sharp. matrices: only the views named there are laid over each other."""
+    total = np.zeros((size[1], size[0], 3), np.float32)
+    weight = np.zeros((size[1], size[0]), np.float32)
+    for name in matrices:
+        picture = pictures[name]
+        total += cv2.warpPerspective(picture, matrices[name], size, flags=cv2.INTER_LINEAR)
+        weight += cv2.warpPerspective(np.ones(picture.shape[:2], np.float32), matrices[name], size)
+    return np.round(total / np.maximum(weight, 1)[..., None]).astype(np.uint8)
+
+
+def data_url(picture: Picture) -> str:
+    """A JPEG as text for the page."""
+    options: Sequence[int] = [cv2.IMWRITE_JPEG_QUALITY, _QUALITY]
+    data = cv2.imencode(".jpg", picture, options)[1].tobytes()
+    return "data:image/jpeg;base64," + base64.b64encode(data).decode()
