@@ -95,10 +95,11 @@ class StripTransform:
 
 @frozen
 class _Entry:
-    """One camera's alignment in one pose, or in all of them."""
+    """One camera's alignment in one pose, by its number or by a programme frame in it, or in all poses."""
 
     camera: str
     pose: int | None = None
+    frame: int | None = None
     points: tuple[tuple[float, float, float, float], ...] | None = None
     transform: StripTransform | None = None
     homography: Matrix | None = None
@@ -107,6 +108,8 @@ class _Entry:
         given = [name for name in ("points", "transform", "homography") if getattr(self, name) is not None]
         if len(given) != 1:
             raise Fault(f"expected one of points, transform, homography, got {' and '.join(given) or 'none'}")
+        if self.pose is not None and self.frame is not None:
+            raise Fault("expected a pose or a frame in it, got both")
         if self.points is not None and len(self.points) < 4:
             raise Fault(f"expected four or more point pairs, got {len(self.points)}", ".points")
 
@@ -124,21 +127,35 @@ def load_manual(path: Path, edl: Edl, *, fit: str = "similarity") -> ByHand:
     """
     read = _read_csv if path.suffix.lower() == ".csv" else _read_json
     by_hand: dict[int, dict[str, Matrix]] = {index: {} for index in range(len(edl.poses))}
-    entries = sorted(read(path), key=lambda e: e.pose is not None)  # those of one pose win over those of all
     sizes = {camera.name: camera.size for camera in edl.cameras}
-    for entry in entries:
+    solved: dict[tuple[str, int | None], Matrix] = {}
+    for entry in read(path):
         where = f"{path}, camera {entry.camera}" + ("" if entry.pose is None else f", pose {entry.pose}")
         if entry.camera not in sizes:
             raise DocumentError("the EDL has no such camera", where=where, remedy=f"It has {', '.join(sizes)}")
-        if entry.pose is not None and entry.pose not in by_hand:
-            raise DocumentError("the EDL has no such pose", where=where, remedy=f"It has 0 to {len(edl.poses) - 1}")
+        place = _pose_of(entry, edl, where)
         try:
             matrix = _solved(entry, sizes[entry.camera], edl.size, fit)
         except ValueError as error:
             raise DocumentError(str(error), where=where, remedy="Take points that are spread over the field") from error
-        for index in by_hand if entry.pose is None else [entry.pose]:
-            by_hand[index][entry.camera] = matrix
+        if solved.setdefault((entry.camera, place), matrix) != matrix:
+            raise DocumentError("is aligned in two ways", where=where, remedy="Keep one, or name the pose of each")
+    for (camera, place), matrix in sorted(solved.items(), key=lambda item: item[0][1] is not None):
+        for index in by_hand if place is None else [place]:  # what is said of one pose wins over what is said of all
+            by_hand[index][camera] = matrix
     return by_hand
+
+
+def _pose_of(entry: _Entry, edl: Edl, where: str) -> int | None:
+    if entry.frame is not None:
+        found = [index for index, pose in enumerate(edl.poses) if entry.frame in pose.range]
+        if not found:
+            remedy = f"It has 0 to {edl.frames - 1}"
+            raise DocumentError(f"the EDL has no frame {entry.frame}", where=where, remedy=remedy)
+        return found[0]
+    if entry.pose is not None and not 0 <= entry.pose < len(edl.poses):
+        raise DocumentError("the EDL has no such pose", where=where, remedy=f"It has 0 to {len(edl.poses) - 1}")
+    return entry.pose
 
 
 def _solved(entry: _Entry, size: tuple[int, int], programme: tuple[int, int], fit: str) -> Matrix:
@@ -175,7 +192,7 @@ def _read_csv(path: Path) -> Sequence[_Entry]:
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"cannot be read ({error})", where=str(path), remedy="Check the path") from error
     try:
-        return [_Entry(camera, pose, tuple(points)) for (camera, pose), points in found.items()]
+        return [_Entry(camera, pose, points=tuple(points)) for (camera, pose), points in found.items()]
     except Fault as fault:
         raise DocumentError(str(fault), where=str(path), remedy=remedy) from fault
 

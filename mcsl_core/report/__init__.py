@@ -19,8 +19,9 @@ from ..figures import Evaluation
 from ..progress import Progress, Silent
 from ..scores import ScoreTable, load_scores
 from .charts import Bar, short_time
-from .facts import SteadyFacts, colour_bar, gather, steady_facts
+from .facts import colour_bar, gather
 from .pictures import PosePictures, pose_pictures
+from .steady import SteadyFacts, steady_facts
 
 QUICK_SWITCHES = 40  # half a second of CPU each; their mean is known to a tenth then
 

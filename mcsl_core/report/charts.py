@@ -104,7 +104,9 @@ def time_ticks(seconds: float) -> list[Tick]:
     """Round times along a programme of ``seconds``, none so near its end that the text would leave the page."""
     step = next((s for s in _STEPS_S if seconds / s <= _MOST_TICKS), _STEPS_S[-1])
     hours = seconds >= 3600
-    return [Tick(number(100 * t / seconds), short_time(t, hours=hours)) for t in range(0, math.ceil(0.96 * seconds), step)]
+    return [
+        Tick(number(100 * t / seconds), short_time(t, hours=hours)) for t in range(0, math.ceil(0.96 * seconds), step)
+    ]
 
 
 def short_time(seconds: float, *, hours: bool = False) -> str:

@@ -132,6 +132,16 @@ def test_a_json_file_of_all_three_kinds(edl: Edl, tmp_path: Path) -> None:
     np.testing.assert_allclose(exact[0]["b"], DOUBLE, atol=1e-6)
 
 
+def test_a_pose_may_be_told_by_a_frame_in_it_and_only_once(edl: Edl, tmp_path: Path) -> None:
+    moved = [{"camera": "b", "frame": f, "transform": {"offset_x": x}} for f, x in ((0, 1), (9, 1), (12, 2))]
+    found = load_manual(write(tmp_path / "m.json", {"alignments": moved}), edl)
+    assert found[0]["b"] == StripTransform(1).matrix(CAMERA, PROGRAMME)
+    assert found[1]["b"] == StripTransform(2).matrix(CAMERA, PROGRAMME)
+    moved[1]["frame"] = 13
+    with pytest.raises(McslError, match="camera b: is aligned in two ways"):
+        load_manual(write(tmp_path / "m.json", {"alignments": moved}), edl)
+
+
 def test_a_csv_file(edl: Edl, tmp_path: Path) -> None:
     lines = ["pose,camera,x,y,programme_x,programme_y"]
     lines += [",".join(["", "b", *map(str, p)]) for p in POINTS] + [",".join(["1", "c", *map(str, p)]) for p in POINTS]
@@ -159,6 +169,8 @@ def test_by_hand_every_camera_comes_where_it_was_put(edl: Edl) -> None:
         ({"camera": "b", "pose": 2, "points": POINTS}, "pose 2: the EDL has no such pose. It has 0 to 1"),
         ({"camera": "b", "points": POINTS[:3]}, "expected four or more point pairs, got 3"),
         ({"camera": "b", "points": [POINTS[0]] * 4}, "lie in one place"),
+        ({"camera": "b", "frame": 20, "points": POINTS}, "the EDL has no frame 20. It has 0 to 19"),
+        ({"camera": "b", "frame": 1, "pose": 0, "points": POINTS}, "got both"),
         ({"camera": "b"}, "expected one of points, transform, homography, got none"),
         ({"camera": "b", "points": POINTS, "transform": {}}, "got points and transform"),
         ({"camera": "b", "transform": {"scale": "big"}}, "expected a number"),
