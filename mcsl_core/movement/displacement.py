@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
-from attrs import field, frozen
+from attrs import evolve, field, frozen
 from numpy.typing import NDArray
 
 Grey = NDArray[np.float32]
@@ -115,6 +115,14 @@ class Standing:
         weakest = (xx + yy) / 2 - np.sqrt(((xx - yy) / 2) ** 2 + xy**2)  # a lone edge does not show motion along it
         textured = (normal[..., 0, 0] > 0.6) & (weakest > 0.03)
         return cls(one, across, down, np.linalg.inv(normal + 1e-3 * np.eye(3)), textured)  # pyright: ignore[reportArgumentType]
+
+    def at_rest(self, views: Sequence[Grey], within_px: float) -> Standing:
+        """Only with the patches that most of ``views``, all at rest, show ``within_px`` of their place: no heads."""
+        shifts = [s for view in views if (s := self.shift(view)) is not None]
+        if not shifts:
+            return self
+        lying = [s.near & (np.hypot(s.moved[..., 0], s.moved[..., 1]) < within_px) for s in shifts]
+        return evolve(self, textured=self._textured & (np.mean(lying, axis=0) > 0.7))
 
     def shift(self, later: Grey) -> Shift | None:
         """How ``later`` lies to this view. None when it is the very same picture (a frozen stream proves nothing) or

@@ -19,7 +19,7 @@ SIGNIFICANT = 25.0
 """By how much, in squared noise, growth must explain the curve better than rest does."""
 
 
-def onset(times: Array, curve: Array, *, noise: float = 0.02) -> float:
+def onset(times: Array, curve: Array, *, noise: float) -> float:
     """The instant at which ``curve``, at rest before, begins to grow.
 
     times: (N,) rising. curve: (N,) displacement in pixels, NaN where there is no data. Fitted by least squares is

@@ -20,20 +20,36 @@ from ..progress import Progress
 from ..samples import Samples
 from ..scores import Curve, Detection
 from ..timing import FrameRange
-from .displacement import Grey, Standing, texture
-from .timing import CloseLook, time_side
+from .displacement import Grey, Shift, Standing, texture
+from .timing import CloseLook, bracket, time_side
 
 IN_PLACE_PX = 0.5
 """A patch found this near to its place lies there: on standing views the error of one patch is 0.1 to 0.3 px."""
 
 
+LIVE = 0.95
+"""With more than this in place nothing at all has moved in a view: it may be a stream that has frozen."""
+DRIFT_PX = 0.4
+"""A common displacement that is no error: between two samples of a standing view it is 0.05 px, 0.2 behind heads."""
+
+
 def stillness(shares: Sequence[float]) -> float:
-    """How still the lamp is, from every camera's share in place: the second highest, so that one view with a burnt-in
-    clock over bare cloth cannot hide a movement, and heads before all but two cannot fake one. NaN without data."""
+    """How still the lamp is, from every camera's share in place: 0..1, NaN without data.
+
+    The second highest, or half of the highest where that view is alive: heads before all cameras but one cannot fake a
+    movement, and one stream that has frozen cannot hide one.
+    """
     known = sorted((s for s in shares if not np.isnan(s)), reverse=True)
     if not known:
         return float("nan")
-    return known[min(1, len(known) - 1)]
+    return max(known[min(1, len(known) - 1)], 0.5 * known[0] if known[0] < LIVE else 0.0)
+
+
+def drift(shifts: Sequence[Shift], *, found: float) -> tuple[float, int]:
+    """(the second smallest displacement of any camera that finds at least the share ``found`` again, how many do): two
+    heads that sway before two cameras fake no drift. NaN where no camera does."""
+    sizes = sorted(float(np.linalg.norm(c)) for s in shifts if s.share() > found and (c := s.common()) is not None)
+    return (sizes[min(1, len(sizes) - 1)] if sizes else float("nan")), len(sizes)
 
 
 @frozen
@@ -90,27 +106,38 @@ class Stillness:
     def _compare(self, samples: Samples, progress: Progress) -> Mapping[int, tuple[NDArray, NDArray]]:
         """lag -> ((S - 1,) stillness, (S - 1,) highest share of any camera) of sample i + 1 against i + 1 - lag; NaN
         where nothing can be said. Where a camera had no picture, its last one before that counts."""
-        every = {lag: (np.full(max(len(samples) - 1, 0), np.nan),) * 2 for lag in self.lags}
-        every = {lag: (a.copy(), b.copy()) for lag, (a, b) in every.items()}
+        steps = max(len(samples) - 1, 0)
+        every = {lag: (np.full(steps, np.nan), np.full(steps, np.nan)) for lag in self.lags}
         past: dict[str, deque[tuple[int, Standing]]] = {c: deque(maxlen=max(self.lags)) for c in samples.cameras}
         for i, moment in enumerate(samples):
-            shares: dict[int, list[float]] = {lag: [] for lag in self.lags}
+            shifts: dict[int, list[Shift]] = {lag: [] for lag in self.lags}
             for name, picture in moment.pictures.items():
                 if picture is None:
                     continue
                 now = texture(picture)
                 for lag in self.lags:
                     before = next((s for at, s in reversed(past[name]) if at <= i - lag), None)
-                    if before is not None:
-                        shares[lag].append(_in_place(before, now))
+                    shift = None if before is None else before.shift(now)
+                    if shift is not None:
+                        shifts[lag].append(shift)
                 past[name].append((i, Standing.of([now])))
-            for lag, found in shares.items():
-                if i and found:
-                    known = [s for s in found if not np.isnan(s)]
-                    every[lag][0][i - 1] = stillness(found)
-                    every[lag][1][i - 1] = max(known) if len(known) >= 3 else np.nan
+            for lag, found in shifts.items():
+                if found:
+                    every[lag][0][i - 1], every[lag][1][i - 1] = self._judged(found, lag)
             progress.advance(i + 1)
         return every
+
+    def _judged(self, shifts: Sequence[Shift], lag: int) -> tuple[float, float]:
+        """(stillness, highest share of three or more cameras) of one comparison."""
+        shares = [s for shift in shifts if not np.isnan(s := shift.share(IN_PLACE_PX))]
+        still = stillness(shares)
+        if lag > 1:  # heads alone hide much in some seconds: here a displacement must be seen
+            far_px, cameras = drift(shifts, found=self.still)
+            if far_px > DRIFT_PX and cameras >= 3:
+                still = min(still, 0.5 * self.still)
+            elif still < self.still and not far_px > DRIFT_PX:
+                still = float("nan")
+        return still, max(shares) if len(shares) >= 3 else float("nan")
 
     def _spans(self, looks: Mapping[int, tuple[NDArray, NDArray]], samples: Samples, footage: Footage) -> list[Span]:
         """Where looks differ, in order; of a longer lag only what no shorter one explains."""
@@ -120,7 +147,7 @@ class Stillness:
             added: list[Span] = []
             for i in np.flatnonzero(values < self.still).tolist():
                 first, last = max(i + 1 - lag, 0), i + 1
-                if any(first < s.last and s.first < last for s in spans):
+                if lag > 1 and any(first <= s.last and s.first <= last for s in spans):
                     continue
                 everywhere = bool(highest[i] < self.still / 4)
                 if added and first <= added[-1].last:
@@ -161,28 +188,34 @@ class Stillness:
             joined.append(span)
         return joined
 
-    def _left(self, span: Span, samples: Samples, *, around: int = 4) -> bool:
+    def _left(self, span: Span, samples: Samples, *, around: int = 8) -> bool:
         """Whether the lamp left its place: no look before the span shows the same view as any look after it."""
         if span.everywhere:
             return True
-        before = [samples[i].pictures for i in range(max(0, span.first - around), span.first + 1)]
-        after = [samples[i].pictures for i in range(span.last, min(len(samples), span.last + around + 1))]
-        prepared = [{n: Standing.of([texture(p)]) for n, p in m.items() if p is not None} for m in before]
-        later = [{n: texture(p) for n, p in m.items() if p is not None} for m in after]
-        return not any(
-            stillness([_in_place(a[n], b[n]) for n in a.keys() & b.keys()]) >= self.still
-            for a, b in product(prepared, later)
-        )
+        before = [_textures(samples, i) for i in range(max(0, span.first - around), span.first + 1)]
+        later = [_textures(samples, i) for i in range(span.last, min(len(samples), span.last + around + 1))]
+        prepared = [{n: Standing.of([t]) for n, t in m.items()} for m in before]
+        return not any(self._same(a, b) for a, b in product(prepared, later))
+
+    def _same(self, before: Mapping[str, Standing], later: Mapping[str, Grey]) -> bool:
+        shifts = [s for n in before.keys() & later.keys() if (s := before[n].shift(later[n])) is not None]
+        if not stillness([s.share(IN_PLACE_PX) for s in shifts]) >= self.still:
+            return False
+        return not drift(shifts, found=self.still)[0] > DRIFT_PX
 
     def _timed(self, span: Span, earliest: int, latest: int, samples: Samples, footage: Footage) -> Movement:
         """The span's start and stop to the frame, looked for between the samples ``earliest`` and ``latest``."""
-        frames = samples.frames
-        look = CloseLook(footage, samples.cameras, self.close_s * min(span.lag, 4), margin_s=2.5 * span.lag)
-        rate = float(footage.rate)
+        frames, rate = samples.frames, float(footage.rate)
         low, high = frames[earliest], frames[latest] if latest < len(frames) - 1 else footage.frames - 1
-        reach = round((2 + span.lag) * rate)  # samples may be half a second off: keyframes stand for them
-        start = time_side(look, frames[span.first], frames[span.first] + reach, low)
-        stop = time_side(look, frames[span.last], frames[span.last] - reach, high)
+
+        def side(order: range, bound: int) -> float | None:
+            rest, gone = bracket(_textures(samples, i) for i in order)
+            # The slower it is, the farther apart are the looks; keyframes stand for samples half a second off.
+            look = CloseLook(footage, samples.cameras, self.close_s * min(max(1.0, (gone - rest) / 3), 4.0))
+            return time_side(look, frames[order[rest]], frames[order[gone]] + order.step * round(rate), bound)
+
+        start = side(range(span.first, span.last + 1), low)
+        stop = side(range(span.last, span.first - 1, -1), high)
         first = frames[span.first] if start is None else int(np.floor(start)) + 1
         last = frames[span.last] if stop is None else int(np.ceil(stop))
         confidence = round(min(1.0, max(0.0, 1 - span.least / self.still)), 3)
@@ -191,9 +224,8 @@ class Stillness:
         return Movement(FrameRange(max(first, 0), min(last, footage.frames)), confidence)
 
 
-def _in_place(before: Standing, now: Grey) -> float:
-    shift = before.shift(now)
-    return float("nan") if shift is None else shift.share(IN_PLACE_PX)
+def _textures(samples: Samples, position: int) -> dict[str, Grey]:
+    return {name: texture(p) for name, p in samples[position].pictures.items() if p is not None}
 
 
 def _apart(movements: Sequence[Movement]) -> list[Movement]:

@@ -7,11 +7,11 @@ within a third of a second.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-from attrs import frozen
+from attrs import field, frozen
 from numpy.typing import NDArray
 
 from ..footage import Footage
@@ -25,18 +25,46 @@ REST_LOOKS = 5  # looks whose median is the view at rest, every third of them ta
 REST_STRIDE = 3
 FOUND = 0.1  # share of patches found again with which a view counts; of a view that has moved on 0.00 to 0.05 are
 LOST_LOOKS = 6
+LOST_SAMPLES = 3
+AT_REST_PX = 0.1  # a view this near to its place, over all cameras, has not moved: between samples the error is 0.05
+STEADY_PX = 0.3  # patches that lie this still in the looks at rest are background
+NOISE_PX = 0.02
+RISEN = 0.7
 AT_ONCE_PX = 0.3  # a curve that ends below it shows no course: the lamp was gone from one look to the next
 FITTED_PX = 1.3  # the curve is fitted up to here: beyond, patches are lost and the linear step falls behind
 
 
+def bracket(looks: Iterable[Mapping[str, Grey]]) -> tuple[int, int]:
+    """(the last of ``looks`` that shows the view at rest, which the first does; the first after it that does not).
+
+    looks: camera -> texture, in order away from rest; read no farther than needed.
+    """
+    standing: dict[str, Standing] = {}
+    rest, gone, last = 0, 0, 0
+    for last, look in enumerate(looks):
+        if not standing:
+            standing = {camera: Standing.of([one]) for camera, one in look.items()}
+            continue
+        shifts = [s for c, one in look.items() if c in standing and (s := standing[c].shift(one)) is not None]
+        sizes = [float(np.linalg.norm(c)) for s in shifts if s.share() > FOUND and (c := s.common()) is not None]
+        found = len(sizes) >= max(1, min(2, len(shifts)))
+        if found and np.median(sizes) < AT_REST_PX:
+            rest, gone = last, 0
+        elif not gone and (not found or np.median(sizes) > FITTED_PX):
+            gone = last
+        if gone and last - gone >= LOST_SAMPLES:  # for good, not behind a head that passes
+            break
+    return rest, gone or last
+
+
 @frozen(eq=False)
 class CloseLook:
-    """How to look closely: at all ``cameras``, ``step_s`` apart, ``margin_s`` beyond the sample at rest."""
+    """How to look closely: at all ``cameras``, ``step_s`` apart, beginning ``looks`` before the sample at rest."""
 
     footage: Footage
     cameras: Sequence[str]
     step_s: float
-    margin_s: float
+    looks: int = field(default=25)
 
     def textures(self, camera: str, frames: Sequence[int]) -> dict[int, Grey]:
         pictures = self.footage.pictures(camera, sorted(frames), height=SAMPLE_HEIGHT)
@@ -62,21 +90,22 @@ def time_side(look: CloseLook, rest: int, moving: int, bound: int) -> float | No
     rate = float(look.footage.rate)
     step = max(1, round(look.step_s * rate))
     forward = 1 if moving >= rest else -1
-    margin = look.margin_s * rate
+    margin = look.looks * step
     moving = min(max(moving, 0), look.footage.frames - 1)
+    begin, found = rest, None
     for _ in range(4):
-        begin = rest - forward * round(margin)
+        begin = rest - forward * margin
         begin = max(begin, bound) if forward > 0 else min(begin, bound)
         order = list(range(begin, moving + forward, forward * step))
         if len(order) < REST_LOOKS + 2:
             return None
         found = _leaving(_courses(look, order))
-        if found is None:
-            return None
-        if begin == bound or found > REST_LOOKS * REST_STRIDE:
+        if found is not None and found > REST_LOOKS * REST_STRIDE:
+            return begin + forward * step * found
+        if begin == bound:
             break
         margin *= 2
-    return order[0] + forward * step * found
+    return None if found is None else begin + forward * step * found
 
 
 def _courses(look: CloseLook, order: Sequence[int]) -> list[Course]:
@@ -84,10 +113,10 @@ def _courses(look: CloseLook, order: Sequence[int]) -> list[Course]:
 
     def course(camera: str) -> Course | None:
         textures = look.textures(camera, order)
-        first = [frame for frame in order if frame in textures][: REST_LOOKS * REST_STRIDE : REST_STRIDE]
+        first = [textures[frame] for frame in order if frame in textures][: REST_LOOKS * REST_STRIDE]
         if len(first) < 2:
             return None
-        standing = Standing.of([textures[frame] for frame in first])
+        standing = Standing.of(first[::REST_STRIDE]).at_rest(first, STEADY_PX)
         share, common = np.full(len(order), np.nan), np.full((len(order), 4), np.nan)
         for i, frame in enumerate(order):
             shift = standing.shift(textures[frame]) if frame in textures else None
@@ -104,7 +133,7 @@ def _courses(look: CloseLook, order: Sequence[int]) -> list[Course]:
 
 def _leaving(courses: Sequence[Course]) -> float | None:
     """The position, in looks, at which the lamp leaves its place; None where no camera shows it."""
-    live = [c for c in courses if float(np.nanmedian(c.share[: 2 * REST_LOOKS])) > FOUND]
+    live = [c for c in courses if (c.share[: REST_LOOKS * REST_STRIDE] > FOUND).mean() > 0.5]
     if not live:
         return None
     near = np.array([c.share > FOUND for c in live])  # (C, N); NaN is not near
@@ -119,7 +148,12 @@ def _leaving(courses: Sequence[Course]) -> float | None:
         return top + 0.5
     share = np.einsum("cnk,ck->cn", way[:, :gone], toward) / length[:, None] ** 2
     curve = _median(share, axis=0) * float(np.nanmedian(length))
-    return onset(np.arange(float(gone)), curve)
+    # A knock of a pixel ends where it can still be seen: beyond its rise the curve says nothing about its start.
+    risen = np.flatnonzero(curve > RISEN * np.nanmax(curve))
+    curve = curve[: int(risen.min(initial=top)) + 1]
+    rest = curve[: max(len(curve) // 2, 2)]
+    noise = max(NOISE_PX, 1.48 * float(_median(np.abs(rest - _median(rest, axis=0)), axis=0)))
+    return onset(np.arange(float(len(curve))), curve, noise=noise)
 
 
 def _gone_for_good(enough: NDArray[np.bool_]) -> int:

@@ -173,20 +173,20 @@ def test_a_start_is_found_within_half_a_second_however_the_lamp_is_pushed(profil
         curve = way_px * profile((times - start) / length_s)
         seen = int(np.flatnonzero(curve <= 1.3).max()) + 1
         curve = curve[:seen] + rng.normal(0, 0.01, seen)
-        assert onset(times[:seen], curve) == pytest.approx(start, abs=0.5)
+        assert onset(times[:seen], curve, noise=0.02) == pytest.approx(start, abs=0.5)
 
 
 def test_an_onset_lives_with_looks_that_are_missing() -> None:
     times = np.arange(0, 6.0, 0.1)
     curve = 0.4 * np.maximum(times - 3, 0) ** 2
     curve[::3] = np.nan
-    assert onset(times[curve < 1.3], curve[curve < 1.3]) == pytest.approx(3, abs=0.2)
+    assert onset(times[curve < 1.3], curve[curve < 1.3], noise=0.02) == pytest.approx(3, abs=0.2)
 
 
 def test_what_stays_at_rest_has_no_onset() -> None:
     times = np.arange(0, 5.0, 0.1)
-    assert onset(times, np.random.default_rng(3).normal(0, 0.01, 50)) == times[-1]
-    assert onset(times, np.full(50, np.nan)) == times[-1]
+    assert onset(times, np.random.default_rng(3).normal(0, 0.01, 50), noise=0.02) == times[-1]
+    assert onset(times, np.full(50, np.nan), noise=0.02) == times[-1]
 
 
 def test_movements_that_overlap_after_timing_become_one() -> None:
