@@ -328,6 +328,7 @@ def test_every_check_runs_and_those_that_fail_are_named_at_the_end(project):
     done = project.dev("test", "-k", "edl")
     assert done.returncode == 1
     assert only_line(done.stderr) == "dev.py: failed: pyright, pytest"
+    assert list(project.venv.glob("lib/*/site-packages/one-0.0.dist-info")), "a plugin is installed before it is tested"
     said = [line for line in done.stdout.splitlines() if not line.startswith("dev.py")]
     assert said == [
         "ruff check .",
