@@ -115,34 +115,38 @@ def steadiness_table(evaluation: Evaluation) -> Group:
     """The figures of every variant, over the whole and over the switches; the conditions at the foot."""
     conditions, (width, height) = evaluation.conditions, evaluation.conditions.size
     sampled = {0: ", switches alone", 1: ""}.get(conditions.every, f", one in {conditions.every} pairs within shots")
-    foot = [
-        "ITF in dB, over all pixels and over the valid ones (both frames have them); AvSpeed in pixels a frame.",
-        f"Pictures: {width}x{height}, {conditions.picture}{sampled}.",
-        f"Points within shots: {conditions.within_camera}.",
-        f"Points at switches: {conditions.at_switches}.",
-    ]
     names = {m.name for m in evaluation.measured}
-    if {"auto", "manual"} <= names and (gains := evaluation.gains()):
-        words = {"itf": "ITF", "itf_valid": "ITF valid", "av_speed": "AvSpeed"}
-        told = [
-            f"{'at switches ' if key.startswith('switches_') else ''}{words[key.removeprefix('switches_')]} "
-            f"{-value if key.endswith('speed') else value:+.0f} %"
-            for key, value in gains.items()
-        ]
-        foot.insert(0, f"Auto against Manual: {', '.join(told)}.")
+    gains = evaluation.gains() if {"auto", "manual"} <= names else {}
+    headings = {
+        "itf": "ITF",
+        "itf_valid": "valid",
+        "itf_field": "field",
+        "av_speed": "AvSpeed",
+        "av_speed_field": "field",
+    }
+    scopes = {"": "whole", "switches_": "switches"} if conditions.every else {"switches_": "switches"}
     table = Table(box=None, pad_edge=False, header_style="bold")
     table.add_column("", no_wrap=True)
-    scopes = ["whole", "switches"] if conditions.every else ["switches"]
-    for scope in scopes:
-        for heading in (f"{scope}\nITF", "\nvalid", "\nspeed"):
-            table.add_column(heading, justify="right", no_wrap=True)
-    for row in evaluation.measured:
-        cells = []
-        for means in (row.whole, row.switches) if conditions.every else (row.switches,):
-            values = (means.itf_db, means.itf_valid_db, means.av_speed_px) if means else (None,) * 3
-            cells += ["-" if value is None else f"{value:.2f}" for value in values]
-        table.add_row(row.label, *cells)
-    return Group(table, "", *foot)
+    for heading in headings.values():
+        table.add_column(heading, justify="right", no_wrap=True)
+    for prefix, scope in scopes.items():
+        table.add_row(f"[bold]{'at switches' if prefix else 'whole programme'}[/]")
+        for row in evaluation.measured:
+            means = getattr(row, scope)
+            values = [getattr(means, f"{name}_{'px' if name.startswith('av') else 'db'}") for name in headings]
+            table.add_row(row.label, *("-" if v is None else f"{v:.2f}" for v in values))
+        if any(prefix + name in gains for name in headings):
+            signs = [-1 if name.startswith("av") else 1 for name in headings]
+            found = [gains.get(prefix + name) for name in headings]
+            told = ("-" if v is None else f"{s * v:+.0f} %" for s, v in zip(signs, found, strict=True))
+            table.add_row("[dim]Auto against Manual[/]", *told)
+    foot = (
+        "ITF in dB: over all pixels; over the valid ones, which both frames have from a camera; over those about the "
+        f"field, within {conditions.field:.0%} of the width of its middle. AvSpeed in pixels a frame: all points; "
+        f"those about the field. Pictures: {width}x{height}, {conditions.picture}{sampled}. Points within shots: "
+        f"{conditions.within_camera}. Points at switches: {conditions.at_switches}."
+    )
+    return Group(table, "", foot)
 
 
 def study_table(results: Sequence[Result]) -> Group:

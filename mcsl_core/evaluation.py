@@ -24,12 +24,12 @@ from .coverage import Coverage, has_picture
 from .edl import IDENTITY, Decision, Edl, Look, offset_at, resolve
 from .edl import load as load_edl
 from .errors import UsageError
-from .figures import Conditions, Evaluation, Measured, Pair, Steadiness, Switch
+from .figures import FIELD, Conditions, Evaluation, Measured, Pair, Steadiness, Switch
 from .images import U8, Planes, psnr
 from .manual import ByHand, aligned_by_hand, load_manual
 from .progress import Progress, Silent
 from .reduced import SharedFootage, reduced, reduced_filler, reduced_size
-from .steadiness import NO_TRACKS, Tracker, fidelity_db, grey, speed_px
+from .steadiness import NO_TRACKS, Tracker, Tracks, carried, fidelity_db, grey, speed_px
 from .timing import FrameRange
 
 WIDTH = 640  # of the pictures measured: the paper names none
@@ -130,7 +130,7 @@ def evaluate(
     progress.stage("Measuring the programme", len(at_switches | within), "pairs")
     done = 0
     with closing(SharedFootage(edl, base, size)) as footage:
-        followed = _Followed(edl, footage)
+        followed = _Followed(reduced(edl, size), footage)
         eyes = [_Eye(variant, footage, size) for variant in variants]
         for run in _runs(at_switches | within):
             for eye in eyes:
@@ -186,7 +186,9 @@ def _summary(pairs: Mapping[int, Pair], weights: Mapping[int, float]) -> Steadin
     return Steadiness(
         mean("psnr_db"),
         mean("psnr_valid_db"),
+        mean("psnr_field_db"),
         mean("speed_px"),
+        mean("speed_field_px"),
         round(math.fsum(weights.values())),
         sum(pair.speed_px is not None for pair, _ in looked),
     )
@@ -243,13 +245,31 @@ class _Followed:
         self._edl, self._footage, self._tracker = edl, footage, Tracker()
         self._decisions = _by_frame(edl)
         self.before = self.now = _Shown(-2, edl.reference, None)
-        self.tracks = NO_TRACKS
+        self.tracks = self.in_field = NO_TRACKS
 
     def advance(self, frame: int) -> None:
-        self.before, self.now, self.tracks = self.now, self._shown(frame), NO_TRACKS
+        self.before, self.now, self.tracks, self.in_field = self.now, self._shown(frame), NO_TRACKS, NO_TRACKS
         a, b = self.before, self.now
         if a.frame == frame - 1 and a.picture is not None and b.picture is not None:
             self.tracks = (self._tracker.follow if a.camera == b.camera else self._tracker.match)(a.picture, b.picture)
+            self.in_field = self._in_field()
+
+    def field_at(self, frame: int) -> tuple[float, float] | None:
+        """Where the EDL has the field's middle in the programme before centering: centering moves it to the middle."""
+        if not self._edl.centering:
+            return None
+        (width, height), (dx, dy) = self._edl.size, offset_at(self._edl.centering, frame)
+        return (width - 1) / 2 - dx, (height - 1) / 2 - dy
+
+    def _in_field(self) -> Tracks:
+        """The tracks that begin about the field, as the EDL's own alignment places them: again the same for all."""
+        frame, camera = self.before.frame, self.before.camera
+        pose, middle = self._edl.pose_at(frame), self.field_at(frame)
+        if middle is None or (camera not in pose.homographies and camera != self._edl.reference):
+            return NO_TRACKS
+        start = carried(programme_matrix(self._edl, pose, camera), self.tracks.before)
+        near = np.linalg.norm(start - middle, axis=1) < FIELD * self._edl.size[0]
+        return Tracks(self.tracks.before[near], self.tracks.after[near])
 
     def _shown(self, frame: int) -> _Shown:
         for camera in (self._decisions[frame].camera, self._edl.reference):
@@ -290,12 +310,22 @@ class _Eye:
         before, self._before = self._before, now
         if before is None:
             return None
-        both = cv2.bitwise_and(before[1], now[1])
+        both: U8 = np.asarray(cv2.bitwise_and(before[1], now[1]), np.uint8)
         return Pair(
             fidelity_db(before[0], now[0]),
-            _known(fidelity_db(before[0], now[0], both)),  # pyright: ignore[reportArgumentType]
+            _known(fidelity_db(before[0], now[0], both)),
+            _known(fidelity_db(before[0], now[0], self._about_field(both, followed.field_at(frame), offset))),
             _known(speed_px(followed.tracks, before[2], now[2], self._edl.size)),
+            _known(speed_px(followed.in_field, before[2], now[2], self._edl.size)),
         )
+
+    def _about_field(self, mask: U8, field: tuple[float, float] | None, offset: tuple[float, float]) -> U8:
+        """``mask`` within a circle about the field's middle, which this variant's centering shifts by ``offset``."""
+        circle = np.zeros_like(mask)
+        if field is not None:
+            at = (round(field[0] + offset[0]), round(field[1] + offset[1]))
+            cv2.circle(circle, at, round(FIELD * self._edl.size[0]), 255, cv2.FILLED)
+        return np.asarray(cv2.bitwise_and(circle, mask), np.uint8)
 
     def _cover(self, frame: int, geometry: tuple[Hashable, ...]) -> U8:
         """The covered pixels, worked out again only where they may have changed."""

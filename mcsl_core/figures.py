@@ -14,30 +14,38 @@ from .errors import DocumentError
 from .steadiness import FOLLOWED, MATCHED
 
 SCHEMA = "mcsl.evaluation/1"
+FIGURES = ("itf_db", "itf_valid_db", "itf_field_db", "av_speed_px", "av_speed_field_px")
+FIELD = 0.2  # radius of "about the field" as a share of the programme's width: wounds of a hand's size fit in
 
 
 @frozen
 class Steadiness:
     """Means over pairs of neighbouring frames; None where none could be measured.
 
-    itf_db: over the whole pictures. itf_valid_db: over pixels that both frames have from a camera. av_speed_px: pixels
-    a frame at the measured size. pairs: how many there are; tracked: in how many of those looked at points were found.
+    itf_db: over the whole pictures. itf_valid_db: over pixels that both frames have from a camera. itf_field_db: over
+    those of them about the surgical field. av_speed_px: pixels a frame at the measured size; av_speed_field_px: of the
+    points about the field. pairs: how many there are; tracked: in how many of those looked at points were found.
     """
 
     itf_db: float | None
     itf_valid_db: float | None
+    itf_field_db: float | None
     av_speed_px: float | None
+    av_speed_field_px: float | None
     pairs: int
     tracked: int
 
 
 @frozen
 class Pair:
-    """Two neighbouring frames: PSNR over all and over valid pixels, and mean speed; None without data."""
+    """Two neighbouring frames: PSNR over all pixels, the valid ones, and those about the field; mean speed of all
+    points and of those about the field; None without data."""
 
     psnr_db: float
     psnr_valid_db: float | None
+    psnr_field_db: float | None
     speed_px: float | None
+    speed_field_px: float | None
 
 
 @frozen
@@ -65,6 +73,7 @@ class Switch:
 class Conditions:
     """What the figures were measured with. size: (width, height) of the pictures. every: of the pairs without a
     switch one in so many was measured, 0 for none. switches: how many there are, of which all or some were measured.
+    field: radius about the field's middle, as a share of the programme's width.
     """
 
     size: tuple[int, int]
@@ -73,6 +82,7 @@ class Conditions:
     within_camera: str = FOLLOWED
     at_switches: str = MATCHED
     picture: str = "luma, full range"
+    field: float = FIELD
 
 
 @frozen
@@ -91,16 +101,20 @@ class Evaluation:
         raise KeyError(name)
 
     def gains(self, over: str = "manual", of: str = "auto") -> dict[str, float]:
-        """Per cent by which ``of`` has more ITF and less AvSpeed than ``over``, as the paper tells them: "itf",
-        "itf_valid", "av_speed", and the same at switches as "switches_itf", ...; what was not measured is left out."""
+        """Per cent by which ``of`` has more ITF and less AvSpeed than ``over``, as the paper tells them.
+
+        Keys: "itf", "itf_valid", "itf_field", "av_speed", "av_speed_field", and at switches "switches_itf" and so on;
+        what was not measured is left out.
+        """
         better, worse = self.row(of), self.row(over)
         found = {}
         for prefix, a, b in (("", better.whole, worse.whole), ("switches_", better.switches, worse.switches)):
             if a is None or b is None:
                 continue
-            for name, sign in (("itf_db", 1), ("itf_valid_db", 1), ("av_speed_px", -1)):
+            for name in FIGURES:
                 x, y = getattr(a, name), getattr(b, name)
                 if x is not None and y:
+                    sign = -1 if name.startswith("av_speed") else 1
                     found[prefix + name.rpartition("_")[0]] = sign * 100 * (x / y - 1)
         return found
 
@@ -136,7 +150,7 @@ def load(path: Path) -> Evaluation:
     return structure_document(kept, Evaluation, _converter, where=str(path), name="the figures (evaluation.md)")
 
 
-COLUMNS = ("itf_db", "itf_valid_db", "av_speed_px", "pairs", "tracked")
+COLUMNS = (*FIGURES, "pairs", "tracked")
 
 
 def to_csv(evaluation: Evaluation) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from attrs import frozen
 
-from ..figures import Evaluation, Measured
+from ..figures import FIGURES, Evaluation, Measured, Steadiness
 
 
 @frozen
@@ -19,10 +19,10 @@ class SteadyRow:
 
 @frozen
 class SteadyFacts:
-    """The figures for the page. heads: of the columns, under "whole" where measured and "switches"."""
+    """The figures for the page: at the switches, and over the whole programme where that was measured."""
 
-    whole: bool
-    rows: tuple[SteadyRow, ...]
+    switches: tuple[SteadyRow, ...]
+    whole: tuple[SteadyRow, ...]
     told: str
     conditions: tuple[str, ...]
 
@@ -30,29 +30,24 @@ class SteadyFacts:
 def steady_facts(evaluation: Evaluation) -> SteadyFacts:
     """An evaluation as the page tells it."""
     conditions = evaluation.conditions
-    whole = any(row.whole is not None for row in evaluation.measured)
     width, height = conditions.size
     pairs = f"{len(evaluation.switches)} of {conditions.switches}" if conditions.switches else "no"
+    sampled = f"; within shots one pair of frames in {conditions.every}" if conditions.every > 1 else ""
     return SteadyFacts(
-        whole,
-        tuple(SteadyRow(row.label, _cells(row, whole)) for row in evaluation.measured),
+        tuple(SteadyRow(row.label, _cells(row.switches)) for row in evaluation.measured),
+        tuple(SteadyRow(row.label, _cells(row.whole)) for row in evaluation.measured if row.whole is not None),
         _steady_words({row.name: row for row in evaluation.measured}),
         (
-            f"Measured on pictures of {width}x{height}, {conditions.picture}; {pairs} switches"
-            + (f"; within shots one pair of frames in {conditions.every}" if conditions.every > 1 else "")
-            + ".",
+            f"About the field: within {conditions.field:.0%} of the width of its middle.",
+            f"Measured on pictures of {width}x{height}, {conditions.picture}; {pairs} switches{sampled}.",
             f"Points within shots: {conditions.within_camera}. At switches: {conditions.at_switches}.",
         ),
     )
 
 
-def _cells(row: Measured, whole: bool) -> tuple[str, ...]:
-    cells = []
-    for means in (row.whole, row.switches) if whole else (row.switches,):
-        for name in ("itf_db", "itf_valid_db", "av_speed_px"):
-            value = None if means is None else getattr(means, name)
-            cells.append("-" if value is None else f"{value:.1f}")
-    return tuple(cells)
+def _cells(means: Steadiness) -> tuple[str, ...]:
+    values = [getattr(means, name) for name in FIGURES]
+    return tuple("-" if value is None else f"{value:.1f}" for value in values)
 
 
 def _steady_words(rows: Mapping[str, Measured]) -> str:

@@ -134,6 +134,11 @@ def test_corners_are_followed_and_points_found_again() -> None:
     inside = (followed.before > 20).all(axis=1) & (followed.before < [620, 460]).all(axis=1)
     assert inside.sum() > 50
     assert np.abs((followed.after - followed.before)[inside] - [2.5, -1.5]).max() < 0.3
+    hidden = picture.copy()
+    hidden[:, 320:] = cv2.cvtColor(scene(9), cv2.COLOR_BGR2GRAY)[:, 320:]
+    kept = Tracker().follow(picture, hidden).before[:, 0]
+    assert (kept < 310).sum() > 50
+    assert (kept > 330).sum() < 0.1 * (kept < 310).sum(), "what something came before is not followed"
     turn = cv2.getRotationMatrix2D((320, 240), 72, 1)
     found = Tracker().match(picture, cv2.warpAffine(picture, turn, (640, 480)))
     assert len(found) > 50
@@ -190,7 +195,35 @@ def test_alignment_shows_in_every_figure(still: Path) -> None:
     assert auto.switches.itf_valid_db > manual.switches.itf_valid_db + 3 > no.switches.itf_valid_db + 3
     assert filled.switches.itf_db > auto.switches.itf_db + 3, "black edges move, filled ones do not"
     assert done.gains()["switches_av_speed"] > 80, "less speed is a gain"
+    assert auto.switches.av_speed_field_px is None, "no centering: it is not known where the field is"
     assert done.gains(over="no")["switches_itf_valid"] > 50
+
+
+def test_what_centering_moves_is_motion_too(still: Path) -> None:
+    edl = programme((0, "b"), centering=((0, 0.0, 0.0), (FRAMES - 1, 2.0 * (FRAMES - 1), 0.0)))
+    done = evaluate(edl, still)
+    auto, centered = (done.row(name).whole for name in ("auto", "centered"))
+    assert auto is not None
+    assert centered is not None
+    assert auto.av_speed_px < 0.1
+    assert centered.av_speed_px == pytest.approx(2, abs=0.1)
+    assert centered.itf_valid_db < auto.itf_valid_db - 10
+
+
+def test_figures_about_the_field_leave_the_rest_out(still: Path) -> None:
+    """A turn about the field's middle moves what is there less than the rest, and spoils its picture less."""
+    middle = np.array([(SIZE[0] - 1) / 2 + 40, (SIZE[1] - 1) / 2])
+    turn = np.vstack([cv2.getRotationMatrix2D(tuple(middle), 4, 1), [0, 0, 1]])
+    turned = tuple(tuple(float(v) for v in row) for row in turn @ np.array(TO_REFERENCE["b"]))
+    edl = programme((0, "a"), (8, "b"), centering=((0, -40.0, 0.0),))
+    done = evaluate(edl, still, standard_variants(edl, manual={0: {"b": turned}}), every=0)
+    manual, auto, centered = (done.row(name).switches for name in ("manual", "auto", "centered"))
+    assert manual.av_speed_field_px < 0.6 * manual.av_speed_px
+    within = 0.2 * SIZE[0] * 2 / 3 * math.radians(4)  # the mean of a disc's radii is two thirds of its own
+    assert manual.av_speed_field_px == pytest.approx(within, rel=0.3)
+    assert manual.itf_field_db > manual.itf_valid_db + 1
+    assert auto.av_speed_field_px == pytest.approx(auto.av_speed_px, abs=0.2)
+    assert centered.itf_field_db == pytest.approx(auto.itf_field_db, abs=1.5), "its circle moves along"
 
 
 def test_the_speed_agrees_with_points_found_in_the_finished_pictures(still: Path) -> None:

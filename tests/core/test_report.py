@@ -217,6 +217,32 @@ def test_the_page_asks_for_nothing_from_outside(edl_of_two: Edl) -> None:
     assert "default-src 'none'" in text
 
 
+def test_every_camera_colour_stands_out_from_the_page_and_from_the_others(edl_of_two: Edl) -> None:
+    """3:1 against ground and card is what WCAG asks of graphics, 4.5:1 of text."""
+    text = bare(edl_of_two)
+    themes = [dict(re.findall(r"--(\w+): (#\w+)", block)) for block in re.findall(r":root \{([^}]*)\}", text)]
+    assert len(themes) == 2
+    for theme in themes:
+        cameras = [theme[f"c{n}"] for n in range(7)]
+        assert len(set(cameras)) == 7
+        for ground in (theme["ground"], theme["card"]):
+            assert min(contrast(colour, ground) for colour in (*cameras, theme["move"])) >= 3
+            assert min(contrast(theme[name], ground) for name in ("text", "soft", "warn")) >= 4.5
+
+
+def contrast(a: str, b: str) -> float:
+    """WCAG 2's contrast ratio of two colours such as #fff or #0072b2."""
+
+    def luminance(colour: str) -> float:
+        digits = colour[1:] if len(colour) == 7 else "".join(2 * c for c in colour[1:])
+        parts = [int(digits[i : i + 2], 16) / 255 for i in (0, 2, 4)]
+        r, g, b = (p / 12.92 if p <= 0.03928 else ((p + 0.055) / 1.055) ** 2.4 for p in parts)
+        return 0.2126 * r + 0.7152 * g + 0.0722 * b
+
+    low, high = sorted((luminance(a), luminance(b)))
+    return (high + 0.05) / (low + 0.05)
+
+
 def test_the_clearest_moment_is_the_one_in_which_most_is_seen(edl_of_two: Edl) -> None:
     scores = table_of(edl_of_two)
     best = int(scores.frames[5])
