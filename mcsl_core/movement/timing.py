@@ -23,7 +23,8 @@ Array = NDArray[np.float64]
 
 REST_LOOKS = 5  # looks whose median is the view at rest, every third of them taken: a hand that passes is not in it
 REST_STRIDE = 3
-FOUND = 0.1  # share of patches found again with which a view counts; of a view that has moved on 0.00 to 0.05 are
+FOUND = 0.1  # share of patches found again with which a view counts; of one that has moved on 0.00 to 0.05 are
+FOUND_STEADY = 0.2  # the same of patches that are background, of which heads cover fewer and chance finds up to 0.15
 LOST_LOOKS = 6
 LOST_SAMPLES = 3
 AT_REST_PX = 0.1  # a view this near to its place, over all cameras, has not moved: between samples the error is 0.05
@@ -133,10 +134,10 @@ def _courses(look: CloseLook, order: Sequence[int]) -> list[Course]:
 
 def _leaving(courses: Sequence[Course]) -> float | None:
     """The position, in looks, at which the lamp leaves its place; None where no camera shows it."""
-    live = [c for c in courses if (c.share[: REST_LOOKS * REST_STRIDE] > FOUND).mean() > 0.5]
+    live = [c for c in courses if (c.share[: REST_LOOKS * REST_STRIDE] > FOUND_STEADY).mean() > 0.5]
     if not live:
         return None
-    near = np.array([c.share > FOUND for c in live])  # (C, N); NaN is not near
+    near = np.array([c.share > FOUND_STEADY for c in live])  # (C, N); NaN is not near
     way = np.array([np.where(n[:, None], c.common, np.nan) for n, c in zip(near, live, strict=True)])
     size = _median(np.linalg.norm(way, axis=2), axis=0)
     gone = _gone_for_good((near.sum(axis=0) >= min(2, len(live))) & (size <= FITTED_PX))
