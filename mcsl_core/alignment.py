@@ -129,7 +129,7 @@ def fit_pair(
     spread = min(_hull_area(kept.a) / (size_a[0] * size_a[1]), _hull_area(kept.b) / (size_b[0] * size_b[1]))
     if support < settings.min_support or spread < settings.min_spread:
         return None
-    refined = _weighted_homography(kept, np.asarray(homography, np.float64))
+    refined = fit_homography(kept, np.asarray(homography, np.float64))
     return None if refined is None else PairFit(refined, kept, support, spread)
 
 
@@ -138,7 +138,7 @@ def _normaliser(points: Array) -> Array:
     return np.array([[scale, 0, -scale * centre[0]], [0, scale, -scale * centre[1]], [0, 0, 1]])
 
 
-def _weighted_homography(pair: Correspondences, start: Array, rounds: int = 10) -> Array | None:
+def fit_homography(pair: Correspondences, start: Array, rounds: int = 10) -> Array | None:
     """Weighted least squares on the transfer error a -> b, Huber at 1.5 times the median residual (Gauss-Newton)."""
     to_a, to_b = _normaliser(pair.a), _normaliser(pair.b)
     a, b = apply(to_a, pair.a), apply(to_b, pair.b)

@@ -15,8 +15,10 @@ import numpy as np
 from attrs import field, frozen
 
 from . import __version__, edl
+from .anchoring import anchor
 from .centering import FieldPlace, field_middle
 from .errors import InputError, UsageError
+from .evidence import SolvedPose, SolveSettings
 from .footage import Footage
 from .media import fingerprint
 from .plugins import Offer, Plugins
@@ -26,7 +28,7 @@ from .samples import Samples
 from .scene import scaling
 from .scores import Detection
 from .scoring import score_views
-from .solving import SolvedPose, SolveSettings, solve_pose
+from .solving import solve_pose
 from .stages import STAGES
 from .sync import synchronise
 from .timing import FrameRange, format_time
@@ -193,23 +195,23 @@ def _solve(
     settings: AnalysisSettings,
     progress: Progress,
 ) -> list[SolvedPose]:
-    """Every pose in order, each anchored to the one before."""
+    """Every pose in order, each anchored to those before."""
+    sizes = {c.name: c.size for c in footage.cameras}
+    matcher = chosen["matcher"].implementation
     solved: list[SolvedPose] = []
     for piece in pose_ranges(movements, footage.frames):
-        solved.append(
-            solve_pose(
-                piece,
-                _standing(samples, piece, movements),
-                samples,
-                footage,
-                reference=reference,
-                matcher=chosen["matcher"].implementation,
-                aligner=chosen["aligner"].implementation,
-                previous=solved[-1] if solved else None,
-                settings=settings.solve,
-                progress=progress,
-            )
+        pose = solve_pose(
+            piece,
+            _standing(samples, piece, movements),
+            samples,
+            sizes,
+            reference=reference,
+            matcher=matcher,
+            aligner=chosen["aligner"].implementation,
+            settings=settings.solve,
+            progress=progress,
         )
+        solved.append(anchor(pose, solved, samples, matcher=matcher, settings=settings.solve, progress=progress))
     return solved
 
 

@@ -36,8 +36,8 @@ def field_area(picture: Picture) -> float:
 class ClearFrames:
     """Which samples are clear enough to solve homographies from (t_hom).
 
-    threshold: DOO below it is clear (0.5 in the paper), ``run`` times in a row. wanted: so many are taken, one from each
-    of as many equal stretches of the pose: hands and heads that rest in one stretch have moved on in the next. (Three
+    threshold: DOO below it is clear (0.5 in the paper), ``run`` times in a row. wanted: so many are taken, one from
+    each of as many equal stretches of the pose: hands and heads that rest in one have moved on in the next. (Three
     clear samples next to each other gave 1.8 times the best plane's error, twelve spread ones 1.1.)
     """
 

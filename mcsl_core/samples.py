@@ -70,11 +70,12 @@ class Samples:
         return len(self.frames)
 
     def __getitem__(self, position: int) -> Moment:
+        return Moment(self.frames[position], {name: self.picture(position, name) for name in self.cameras})
+
+    def picture(self, position: int, camera: str) -> NDArray[np.uint8] | None:
+        """One camera's picture at one position; None where it has none."""
         places = self._index[position]
-        return Moment(
-            self.frames[position],
-            {name: self._read(*places[name]) if name in places else None for name in self.cameras},
-        )
+        return self._read(*places[camera]) if camera in places else None
 
     def __iter__(self) -> Iterator[Moment]:
         return (self[i] for i in range(len(self)))

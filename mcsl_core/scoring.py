@@ -8,11 +8,11 @@ import numpy as np
 
 from .edl import Movement
 from .errors import PluginError
+from .evidence import SolvedPose
 from .plugins import Offer
 from .progress import Progress
 from .samples import Samples
 from .scores import ScoreTable
-from .solving import SolvedPose
 
 
 def score_views(

@@ -1,68 +1,34 @@
-"""One pose solved: which moments are clear, which points match, how every camera lies to the reference and to the past.
+"""One pose solved: which moments are clear, which points match, where the field lies, how every camera lies to it.
 
-Reads samples and footage; returns values. Full-size pixels unless a name says otherwise.
+First by distinctive points, then, with the views laid over each other, by every spot of the field (`dense`). Reads
+samples; returns values. Full-size pixels unless a name says otherwise.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from itertools import combinations
 
+import attrs
 import cv2
 import numpy as np
-from attrs import field, frozen
 from numpy.typing import NDArray
 
 from . import colour
-from .alignment import Alignment, AlignmentSettings, Correspondences, apply, fit_pair, pool
-from .edl import IDENTITY, Colour, Matrix, Pose
-from .features import Features
-from .footage import Footage
+from .alignment import Alignment, Correspondences, apply
+from .dense import Placed, match_densely
+from .edl import Colour, Matrix, Pose
+from .evidence import Evidence, SolvedPose, SolveSettings, correspondences, field_in, gather, spread, weighted
 from .hookspecs import Aligner, Matcher
-from .occlusion import ClearFrames, degree_of_occlusion, field_area, field_from_hue, main_region
+from .occlusion import degree_of_occlusion, field_area, main_region
 from .progress import Progress
 from .samples import Samples
 from .scene import Mask, Scene, scaling
+from .surgical_field import closed, field_of, hull, middle, typical_picture
 from .timing import FrameRange
 
 Array = NDArray[np.float64]
-
-
-@frozen
-class SolveSettings:
-    """solve_height: rows of the pictures that points are found in. scene_width: columns of a scene.
-
-    drape_weight: how much a match outside the field counts against one inside: the drapes' area is ten times the
-    field's and lies centimetres below it. With 0.1 the error over the field was 1.10 to 1.43 times the best plane's on
-    a tuning recording, with 0.01 it was 1.05 to 1.29; with none a field without texture would not be tied at all.
-    """
-
-    solve_height: int = field(default=720)
-    scene_width: int = field(default=480)
-    drape_weight: float = field(default=0.01)
-    clear: ClearFrames = field(factory=ClearFrames)
-    alignment: AlignmentSettings = field(factory=AlignmentSettings)
-
-
-_NOTHING = Features(np.zeros((0, 2), np.float32), np.zeros((0, 1), np.float32), (1, 1))
-
-
-@frozen(eq=False)
-class Evidence:
-    """The clear pictures of one camera in one pose: their points, and where the field lies in the picture."""
-
-    features: tuple[Features, ...]
-    field: Mask
-
-
-@frozen(eq=False)
-class SolvedPose:
-    """A pose for the EDL, the scene it makes, and the evidence that the next pose is anchored by."""
-
-    pose: Pose
-    scene: Scene
-    evidence: Mapping[str, Evidence]
+Pairs = dict[tuple[str, str], Correspondences]
 
 
 def to_matrix(homography: Array) -> Matrix:
@@ -76,249 +42,168 @@ def solve_pose(
     piece: FrameRange,
     standing: Sequence[int],
     samples: Samples,
-    footage: Footage,
+    sizes: Mapping[str, tuple[int, int]],
     *,
     reference: str,
     matcher: Matcher,
     aligner: Aligner,
-    previous: SolvedPose | None,
     settings: SolveSettings,
     progress: Progress,
 ) -> SolvedPose:
-    """Solves the pose over ``piece``.
+    """Solves the pose over ``piece``; its perspective is its own reference camera's until it is anchored.
 
-    standing: positions of the samples in which the lamp stands still. previous: the pose before, whose perspective
-    is kept where the two can be tied together; else a new perspective begins.
+    standing: positions of the samples in which the lamp stands still. sizes: every camera's full (width, height).
     """
-    sizes = {c.name: c.size for c in footage.cameras}
-    doo = np.array([_doo(samples, i) for i in standing])
-    picked, clear = settings.clear.choose(doo)
+    picked, _ = settings.clear.choose(np.array([_doo(samples, i) for i in standing]))
     moments = [standing[i] for i in picked]
-    frames = [samples.frames[i] for i in moments]
-    if not clear:
-        progress.note(
-            f"frames {piece}: no {settings.clear.run} clear samples in a row (DOO below {settings.clear.threshold}); "
-            "the clearest moments were taken instead"
-        )
-    evidence = _gather(moments, frames, samples, footage, matcher, settings, progress)
-    found = {
-        (a, b): _correspondences(evidence[a], evidence[b], sizes[a], sizes[b], matcher, settings)
-        for a, b in combinations(sorted(evidence), 2)
-    }
-    # A head may hide the field from one camera at all clear moments. So the cameras are tied twice: first by where
-    # each sees the field itself, then by where all together place it.
-    fields = {name: seen.field for name, seen in evidence.items()}
-    for _ in range(2):
-        pairs = {(a, b): _weighted(p, sizes, a, b, fields, settings) for (a, b), p in found.items()}
-        alignment = aligner.align(pairs, sizes, reference)
-        scene = _scene(alignment, sizes, reference, evidence, settings)
-        fields |= {
-            name: _field_in(scene, name, fields[name].shape) for name in alignment.homographies if name in fields
-        }
+    many = spread(standing, settings.typical_moments)
+    evidence = gather(moments, many, samples, matcher, progress)
+    first, pairs = _by_points(evidence, sizes, reference, matcher, aligner, settings)
+    typical = _scene(first, sizes, reference, settings.typical_width)
+    place = field_of(typical_picture(typical, (samples[i].pictures for i in many)))
+    views = spread(standing, settings.dense_moments)
+    dense = _by_spots(first, place, views, samples, sizes, reference, settings)
+    alignment = _together(first, pairs, dense, sizes, reference, aligner)
     for weak in alignment.weak:
         progress.note(f"frames {piece}: camera {weak.camera} is weak: {weak.reason}")
-    anchor, perspective = IDENTITY, 0
-    if previous is not None:
-        anchor, perspective = _anchored(previous, evidence, fields, alignment, reference, matcher, settings)
-        if perspective != previous.pose.perspective:
-            progress.note(f"frames {piece}: too little in common with the view before; a new perspective begins")
+    scene = _scene(alignment, sizes, reference, settings.scene_width)
+    scene = attrs.evolve(scene, field=_field(place, dense, scene))
     pose = Pose(
         range=piece,
         homographies={name: to_matrix(h) for name, h in alignment.homographies.items()},
-        anchor=anchor,
-        perspective=perspective,
         colour=_colours(scene, [samples[i].pictures for i in moments]),
-        solved_from=tuple(frames),
+        solved_from=tuple(samples.frames[i] for i in moments),
         residual_px={n: round(v, 3) for n, v in alignment.residual_px.items()},
         support=dict(alignment.support),
         weak=alignment.weak,
     )
-    return SolvedPose(pose, scene, evidence)
+    kept = {name: Evidence(seen.features[::4], seen.field) for name, seen in evidence.items()}
+    return SolvedPose(pose, scene, tuple(views), kept)
 
 
 def _doo(samples: Samples, position: int) -> float:
     return degree_of_occlusion([field_area(p) for p in samples[position].pictures.values() if p is not None])
 
 
-def _gather(
-    moments: Sequence[int],
-    frames: Sequence[int],
-    samples: Samples,
-    footage: Footage,
-    matcher: Matcher,
-    settings: SolveSettings,
-    progress: Progress,
-) -> dict[str, Evidence]:
-    """Every camera's points at the clear frames; SIFT lets go of the interpreter, so cameras share the cores."""
-    progress.stage("Finding points", len(footage.cameras), "cameras")
-
-    def gathered(camera: str) -> Evidence | None:
-        small = [p for i in moments if (p := samples[i].pictures[camera]) is not None]
-        if not small:
-            return None
-        pictures = footage.pictures(camera, frames, height=settings.solve_height)
-        return Evidence(
-            tuple(_NOTHING if picture is None else matcher.features(picture) for _, picture in pictures),
-            field_from_hue(small),
-        )
-
-    evidence: dict[str, Evidence] = {}
-    with ThreadPoolExecutor(max_workers=2) as workers:
-        names = [c.name for c in footage.cameras]
-        for done, (name, made) in enumerate(zip(names, workers.map(gathered, names), strict=True)):
-            if made is not None:
-                evidence[name] = made
-            progress.advance(done + 1)
-    return evidence
-
-
-def _near_middle(points: Array, size: tuple[int, int]) -> NDArray[np.bool_]:
-    """Whether points lie in the middle of the picture, where the lamp is aimed: for a field that no colour shows."""
-    centred = (points - np.array(size) / 2) / (0.3 * np.array(size))
-    return (centred**2).sum(axis=1) < 1
-
-
-def _in_field(points: Array, size: tuple[int, int], mask: Mask) -> NDArray[np.bool_]:
-    """Whether full-size points lie in the field's mask, which is of any reduced size."""
-    if not mask.any():
-        return _near_middle(points, size)
-    shrink = scaling(size, (mask.shape[1], mask.shape[0]))
-    at = np.round(points @ shrink[:2, :2].T + shrink[:2, 2]).astype(int)
-    at = np.clip(at, 0, [mask.shape[1] - 1, mask.shape[0] - 1])
-    return mask[at[:, 1], at[:, 0]]
-
-
-def _full(points: NDArray, reduced: tuple[int, int], size: tuple[int, int]) -> Array:
-    grow = scaling(reduced, size)
-    return points.astype(np.float64) @ grow[:2, :2].T + grow[:2, 2]
-
-
-def _correspondences(
-    a: Evidence,
-    b: Evidence,
-    size_a: tuple[int, int],
-    size_b: tuple[int, int],
-    matcher: Matcher,
-    settings: SolveSettings,
-    *,
-    every: bool = False,
-) -> Correspondences:
-    """Matches of two cameras, frame by frame (or, with ``every``, some frames of one with some of the other)."""
-    if every:
-        moments = [(fa, fb) for fa in a.features[::4] for fb in b.features[::4]]
-    else:
-        moments = list(zip(a.features, b.features, strict=True))
-    matches = []
-    for fa, fb in moments:
-        pairs = matcher.match(fa, fb)
-        points_a, points_b = (
-            _full(f.points[pairs[:, i]], f.size, size) for i, (f, size) in enumerate(((fa, size_a), (fb, size_b)))
-        )
-        matches.append((points_a, points_b, np.ones(len(pairs))))
-    pooled = pool(matches)
-    if len(moments) >= 4 and len(pooled):
-        lasting = pooled.seen >= 2  # what matches in one frame only is a hand, or chance
-        if lasting.sum() >= 2 * settings.alignment.min_support:
-            pooled = pooled.where(lasting)
-    return pooled
-
-
-def _weighted(
-    pair: Correspondences,
-    sizes: Mapping[str, tuple[int, int]],
-    a: str,
-    b: str,
-    fields: Mapping[str, Mask],
-    settings: SolveSettings,
-) -> Correspondences:
-    """Weighs matches by how much of them lies in the field: 1 inside in both views, ``drape_weight`` in neither."""
-    inside = _in_field(pair.a, sizes[a], fields[a]).astype(float) + _in_field(pair.b, sizes[b], fields[b])
-    weight = settings.drape_weight + (1 - settings.drape_weight) * inside / 2
-    # What lasts is the patient; what matches in few moments may be a hand above the field's plane.
-    lasting = np.minimum(pair.seen, 8)
-    return _evened(Correspondences(pair.a, pair.b, weight * lasting, pair.seen), sizes[a])
-
-
-def _field_in(scene: Scene, camera: str, shape: tuple[int, int]) -> Mask:
-    """The hull of the scene's field in a reduced picture (rows, columns) of ``camera``: hands and instruments cut
-    holes into the field's colour, but what lies between is the field too."""
-    outline = cv2.convexHull(np.argwhere(scene.field)[:, ::-1].astype(np.float32)).reshape(-1, 2)
-    back: Array = np.asarray(np.linalg.inv(scene.warp_of(camera, (shape[1], shape[0]))), np.float64)
-    mask = np.zeros(shape, np.uint8)
-    cv2.fillConvexPoly(mask, np.round(apply(back, outline.astype(np.float64))).astype(np.int32), 1)
-    return mask > 0
-
-
-def _evened(pair: Correspondences, size: tuple[int, int]) -> Correspondences:
-    """Weights divided by the crowd around each match, so that a knot of texture does not draw the plane to itself."""
-    if not len(pair):
-        return pair
-    cell = size[0] / 24
-    cells = np.floor(pair.a / cell).astype(np.int64)
-    _, inverse, count = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
-    crowd = count[inverse.reshape(-1)]
-    return Correspondences(pair.a, pair.b, pair.weight / crowd, pair.seen)
-
-
-def _scene(
-    alignment: Alignment,
+def _by_points(
+    evidence: Mapping[str, Evidence],
     sizes: Mapping[str, tuple[int, int]],
     reference: str,
-    evidence: Mapping[str, Evidence],
+    matcher: Matcher,
+    aligner: Aligner,
     settings: SolveSettings,
-) -> Scene:
-    """The scene, its field being where most cameras place theirs."""
+) -> tuple[Alignment, Pairs]:
+    """The alignment by distinctive points, and the matches it was made from."""
+    found = {
+        (a, b): correspondences(evidence[a], evidence[b], sizes[a], sizes[b], matcher, settings)
+        for a, b in combinations(sorted(evidence), 2)
+    }
+    # A head may hide the field from one camera at all clear moments. So the cameras are tied twice: first by where
+    # each sees the field itself, then by where all together place it.
+    fields = {name: seen.field for name, seen in evidence.items()}
+    for again in (True, False):
+        pairs = {(a, b): weighted(p, sizes, a, b, fields, settings) for (a, b), p in found.items()}
+        alignment = aligner.align(pairs, sizes, reference)
+        if again:
+            scene = _scene(alignment, sizes, reference, settings.scene_width)
+            scene = attrs.evolve(scene, field=_voted(scene, evidence))
+            fields |= {
+                name: field_in(scene, name, fields[name].shape) for name in alignment.homographies if name in fields
+            }
+    return alignment, pairs  # pyright: ignore[reportPossiblyUnboundVariable]
+
+
+def _by_spots(
+    first: Alignment,
+    place: Mask,
+    moments: Sequence[int],
+    samples: Samples,
+    sizes: Mapping[str, tuple[int, int]],
+    reference: str,
+    settings: SolveSettings,
+) -> Pairs:
+    """Matches spot by spot over the hull of ``place``, of the cameras that are tied in."""
+    scene = _scene(first, sizes, reference, settings.dense_width)
+    to_scene = scaling(sizes[reference], scene.size)
+    pictures = [samples[i].pictures for i in moments]
+    views = {
+        name: Placed([p.get(name) for p in pictures], to_scene @ h, sizes[name])
+        for name, h in first.homographies.items()
+    }
+    area = hull(_resized(place, scene.size))
+    return match_densely(views, area if area.any() else middle(scene.size), settings.dense)
+
+
+def _together(
+    first: Alignment,
+    by_points: Pairs,
+    dense: Pairs,
+    sizes: Mapping[str, tuple[int, int]],
+    reference: str,
+    aligner: Aligner,
+) -> Alignment:
+    """The alignment by the spots, where there are any; a camera without stays where its points place it.
+
+    The aligner's own verdict on weak cameras was given on the points: spots are compared only where those lead.
+    """
+    if not dense:
+        return first
+    tied = {name for pair in dense for name in pair}
+    rest = {
+        pair: matches
+        for pair, matches in by_points.items()
+        if not tied.issuperset(pair) and first.homographies.keys() >= set(pair)
+    }
+    final = aligner.align({**dense, **rest}, {n: sizes[n] for n in first.homographies}, reference)
+    if final.weak:
+        return first
+    return attrs.evolve(final, weak=first.weak)
+
+
+def _field(place: Mask, dense: Pairs, scene: Scene) -> Mask:
+    """The field in the scene: where its hue is typical and two pairs of cameras at least see something that stays.
+
+    Hands in gloves of the field's hue lie in the typical picture where they work, but nothing there stays.
+    """
+    typical = _resized(place, scene.size)
+    stays = np.zeros((scene.size[1], scene.size[0]), np.uint8)
+    to_scene = scaling(scene.camera_sizes[scene.reference], scene.size)
+    for (a, _), matches in dense.items():
+        at = np.round(apply(to_scene @ scene.homographies[a], matches.a)).astype(int)
+        inside = ((at >= 0) & (at < scene.size)).all(axis=1) & (matches.weight > 0.6)
+        seen = np.zeros_like(stays)
+        seen[at[inside, 1], at[inside, 0]] = 1
+        stays += cv2.dilate(seen, np.ones((7, 7), np.uint8))  # pyright: ignore[reportOperatorIssue]
+    field = closed(main_region((stays >= min(2, len(dense))) & typical), gap=0.04)
+    if field.sum() >= 0.3 * typical.sum() > 0:
+        return field
+    return typical if typical.any() else middle(scene.size)
+
+
+def _resized(mask: Mask, size: tuple[int, int]) -> Mask:
+    return cv2.resize(mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
+
+
+def _scene(alignment: Alignment, sizes: Mapping[str, tuple[int, int]], reference: str, columns: int) -> Scene:
+    """The scene of so many columns; where its field lies is not known yet."""
     width, height = sizes[reference]
-    size = (settings.scene_width, max(1, round(height * settings.scene_width / width)))
-    empty = Scene(size, reference, alignment.homographies, sizes, np.zeros((size[1], size[0]), bool))
-    votes, voters = np.zeros((size[1], size[0])), np.zeros((size[1], size[0]))
-    for name in alignment.homographies:
+    size = (columns, max(1, round(height * columns / width)))
+    return Scene(size, reference, alignment.homographies, sizes, np.zeros((size[1], size[0]), bool))
+
+
+def _voted(scene: Scene, evidence: Mapping[str, Evidence]) -> Mask:
+    """(H, W) bool: where most of the cameras that show the place have the field there by their own pictures."""
+    shape = (scene.size[1], scene.size[0])
+    votes, voters = np.zeros(shape), np.zeros(shape)
+    for name in scene.homographies:
         mask = evidence[name].field if name in evidence else None
         if mask is None or not mask.any():
             continue
-        warp = empty.warp_of(name, (mask.shape[1], mask.shape[0]))
-        votes += cv2.warpPerspective(mask.astype(np.float32), warp, size)
-        voters += cv2.warpPerspective(np.ones(mask.shape, np.float32), warp, size)
+        warp = scene.warp_of(name, (mask.shape[1], mask.shape[0]))
+        votes += cv2.warpPerspective(mask.astype(np.float32), warp, scene.size)
+        voters += cv2.warpPerspective(np.ones(mask.shape, np.float32), warp, scene.size)
     place = main_region((votes > 0.5 * voters) & (voters > 0.5))
-    if not place.any():
-        grid = np.stack(np.meshgrid(np.arange(size[0]), np.arange(size[1])), axis=-1).reshape(-1, 2)
-        place = _near_middle(grid.astype(np.float64), size).reshape(size[1], size[0])
-    return Scene(size, reference, alignment.homographies, sizes, place)
-
-
-def _anchored(
-    previous: SolvedPose,
-    evidence: Mapping[str, Evidence],
-    fields: Mapping[str, Mask],
-    alignment: Alignment,
-    reference: str,
-    matcher: Matcher,
-    settings: SolveSettings,
-) -> tuple[Matrix, int]:
-    """The anchor that keeps the programme's perspective over a movement, and the number of the perspective.
-
-    Each camera's own view is matched with its view before; the reference's own is taken when it has at least half
-    the support of the best, since the others go through one homography more on either side.
-    """
-    best: tuple[float, Array] | None = None
-    for name in sorted(alignment.homographies):
-        before = previous.scene.homographies.get(name)
-        if before is None or name not in evidence or name not in previous.evidence:
-            continue
-        size = previous.scene.camera_sizes[name]
-        pair = _correspondences(evidence[name], previous.evidence[name], size, size, matcher, settings, every=True)
-        both = {"now": fields[name], "before": _field_in(previous.scene, name, fields[name].shape)}
-        pair = _weighted(pair, {"now": size, "before": size}, "now", "before", both, settings)
-        fit = fit_pair(pair, size, size, settings.alignment)
-        if fit is None:
-            continue
-        worth = fit.support * (2.0 if name == reference else 1.0)
-        to_before = before @ fit.homography @ np.linalg.inv(alignment.homographies[name])
-        if best is None or worth > best[0]:
-            best = (worth, to_before)
-    if best is None:
-        return IDENTITY, previous.pose.perspective + 1
-    return to_matrix(np.array(previous.pose.anchor) @ best[1]), previous.pose.perspective
+    return place if place.any() else middle(scene.size)
 
 
 def _colours(scene: Scene, moments: Sequence[Mapping[str, NDArray[np.uint8] | None]]) -> dict[str, Colour]:

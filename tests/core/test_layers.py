@@ -27,7 +27,8 @@ FLOORS: dict[int, set[str]] = {
     3: {"compositor", "hookspecs", "stages", "default_plugins", "plugins"},
     4: {
         *("evaluation", "figures", "manual", "steadiness", "reduced", "coverage", "study", "report"),  # measuring
-        *("solving", "scoring", "analysis", "contact", "simulation", "demo"),
+        *("surgical_field", "dense", "evidence", "solving", "anchoring", "scoring", "analysis"),  # deciding
+        *("contact", "simulation", "demo"),
         *("conform", "programme_sound", "blender", "blender_child", "timeline", "presets", "rendering"),
     },
     5: {"console", "cli"},
