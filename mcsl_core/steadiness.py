@@ -22,10 +22,11 @@ CEILING_DB = 60.0  # equal pictures: their PSNR is infinite, and one still pair 
 
 # What the figures were measured with, in words for a table's foot.
 FOLLOWED = "Shi-Tomasi corners followed by pyramidal Lucas-Kanade, there and back within 0.5 px"
-MATCHED = "RootSIFT, mutual nearest neighbours (ratio 0.85), at most 5 % of the width off their common plane"
+MATCHED = "RootSIFT, mutual nearest neighbours (ratio 0.85), within 5 % of the width of the plane that a third share"
 
 _LEAST_POINTS = 8
 _LEAST_PLANAR = 12  # four points fix a homography; three times as many that agree are no chance
+_LEAST_SHARE = 1 / 3  # of a head seen by both cameras a fifth of the matches agreed, of the field two fifths and more
 _WINDOW = (15, 15)
 _LEVELS = 3
 
@@ -96,7 +97,9 @@ class Tracker:
         plane, planar = cv2.findHomography(
             before, after, cv2.USAC_MAGSAC, 0.01 * width, maxIters=5000, confidence=0.999
         )
-        if plane is None or planar is None or np.count_nonzero(planar) < _LEAST_PLANAR:
+        if plane is None or planar is None:
+            return NO_TRACKS
+        if np.count_nonzero(planar) < max(_LEAST_PLANAR, _LEAST_SHARE * len(pairs)):
             return NO_TRACKS
         off = np.linalg.norm(carried(plane, before) - after, axis=1)
         keep = off < self.off_plane * width

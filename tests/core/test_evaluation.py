@@ -149,6 +149,9 @@ def test_where_there_is_nothing_to_follow_there_are_no_tracks() -> None:
     flat, noise = np.full((90, 160), 99, np.uint8), np.random.default_rng(0).integers(0, 255, (2, 180, 320))
     assert len(Tracker().follow(flat, flat)) == 0
     assert len(Tracker().match(flat, flat)) == 0
+    picture = cv2.cvtColor(scene(), cv2.COLOR_BGR2GRAY)
+    scattered = np.hstack([np.roll(picture[:, i : i + 128], 90 * i // 128, axis=0) for i in range(0, 640, 128)])
+    assert len(Tracker().match(picture, scattered)) == 0, "five ways at once are no common plane"
     a, b = noise.astype(np.uint8)
     assert len(Tracker().match(a, b)) == 0, "chance matches lie on no plane"
 
@@ -264,6 +267,27 @@ def test_sampling_counts_every_switch_and_weighs_the_rest(still: Path) -> None:
     assert all_pairs.whole is not None
     assert some.whole.pairs == all_pairs.whole.pairs
     assert some.whole.itf_db == pytest.approx(all_pairs.whole.itf_db, rel=0.02)
+
+
+def test_of_many_switches_some_spread_evenly_may_stand_for_all(still: Path) -> None:
+    edl = programme((0, "a"), (4, "b"), (8, "c"), (12, "b"), (16, "a"))
+    done = evaluate(edl, still, [Variant("auto", "", edl, Look(False, False, False))], every=4, most_switches=2)
+    assert [s.frame for s in done.switches] == [4, 12]
+    assert done.conditions.switches == 4
+    row = done.measured[0]
+    assert (row.switches.pairs, row.switches.tracked, len(row.at_switches)) == (4, 2, 2)
+    assert row.whole is not None
+    assert row.whole.pairs == FRAMES - 1
+
+
+def test_valid_pixels_follow_what_the_cameras_behind_have(still: Path) -> None:
+    """The cameras that fill have no picture for a while: what turns black then is no valid pixel."""
+    edl = programme((0, "c"))
+    gap = (FrameRange(10, 12),)
+    edl = attrs.evolve(edl, cameras=tuple(attrs.evolve(c, gaps=gap if c.name != "c" else ()) for c in edl.cameras))
+    whole = evaluate(edl, still, [Variant("filled", "", edl, Look(False, True, False))]).measured[0].whole
+    assert whole is not None
+    assert whole.itf_valid_db > whole.itf_db + 1, "two pairs of 23 turn black and back"
 
 
 def test_a_variant_with_other_shots_is_refused(still: Path) -> None:
