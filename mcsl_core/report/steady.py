@@ -36,7 +36,7 @@ def steady_facts(evaluation: Evaluation) -> SteadyFacts:
     return SteadyFacts(
         tuple(SteadyRow(row.label, _cells(row.switches)) for row in evaluation.measured),
         tuple(SteadyRow(row.label, _cells(row.whole)) for row in evaluation.measured if row.whole is not None),
-        _steady_words({row.name: row for row in evaluation.measured}),
+        _steady_words({row.name: row for row in evaluation.measured}, width),
         (
             f"About the field: within {conditions.field:.0%} of the width of its middle.",
             f"Measured on pictures of {width}x{height}, {conditions.picture}; {pairs} switches{sampled}.",
@@ -50,10 +50,15 @@ def _cells(means: Steadiness) -> tuple[str, ...]:
     return tuple("-" if value is None else f"{value:.1f}" for value in values)
 
 
-def _steady_words(rows: Mapping[str, Measured]) -> str:
-    """What the alignment changed at the switches, in one sentence."""
-    speeds = [rows[n].switches.av_speed_px if n in rows else None for n in ("no", "auto")]
-    no, auto = speeds
-    if no is None or auto is None or no <= 0:
+def _steady_words(rows: Mapping[str, Measured], width: int) -> str:
+    """What the alignment changed at the switches, in one sentence: of the field where it is known, else of all."""
+    if not {"no", "auto"} <= rows.keys():
         return ""
-    return f"At a switch the picture jumps by {auto:.1f} pixels on average; without alignment it would by {no:.0f}."
+    for what, name in (("field", "av_speed_field_px"), ("picture", "av_speed_px")):
+        no, auto = (getattr(rows[variant].switches, name) for variant in ("no", "auto"))
+        if no is not None and auto is not None:
+            return (
+                f"At a switch the {what} jumps by {auto:.1f} pixels of {width} on average; "
+                f"without alignment it would by {no:.0f}."
+            )
+    return ""
