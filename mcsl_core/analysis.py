@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Mapping, Sequence
-from contextlib import closing
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing, contextmanager
 from fractions import Fraction
+from functools import lru_cache
 from math import floor
 from pathlib import Path
 
@@ -26,9 +27,10 @@ from .progress import Progress
 from .recording import discover
 from .samples import Samples
 from .scene import scaling
-from .scores import Detection
+from .scores import Detection, ScoreTable
 from .scoring import score_views
 from .solving import solve_pose
+from .stage_cache import CLOCKS, DETECTION, POSES, SCORES, StageCache, code_digest, identity, key_of
 from .stages import STAGES
 from .sync import synchronise
 from .timing import FrameRange, format_time
@@ -38,7 +40,8 @@ from .video import probe
 @frozen
 class AnalysisSettings:
     """What the caller may choose. reference: a camera name (the first without). rate: programme frames per second
-    (the reference's without). stages: stage -> name of the plugin. sample_s: seconds between looks."""
+    (the reference's without). stages: stage -> name of the plugin. sample_s: seconds between looks. cache: keep results
+    of stages in a folder beside the EDL, and use those that are there."""
 
     reference: str | None = None
     rate: Fraction | None = None
@@ -46,6 +49,7 @@ class AnalysisSettings:
     stages: Mapping[str, str] = field(factory=dict)
     sample_s: float = 1.0
     solve: SolveSettings = field(factory=SolveSettings)
+    cache: bool = True
 
 
 def analyse(
@@ -70,20 +74,22 @@ def analyse(
     cameras = open_cameras(recording, out.parent, progress)
     reference = _reference(cameras, settings.reference)
     out.parent.mkdir(parents=True, exist_ok=True)  # media paths lead through it
-    cameras = _synchronised(cameras, reference, settings.sync, out.parent, progress)
+    cache = StageCache(cache_folder(out) if settings.cache else None, progress)
+    media = [[c.name, *(m.fingerprint for m in c.media)] for c in cameras]
+    key = key_of(code_digest("mcsl_core"), media, reference.name, settings.sync)
+
+    def clocked() -> tuple[edl.Clock, ...]:
+        return synchronise(settings.sync, cameras, out.parent, progress, reference=reference.name)
+
+    clocks = cache.remember("clocks", key, clocked, CLOCKS)
+    cameras = tuple(attrs.evolve(c, clock=clock) for c, clock in zip(cameras, clocks, strict=True))
     rate = settings.rate or reference.rate
     frames = programme_length(reference, out.parent, rate)
     footage = Footage(cameras, rate=rate, frames=frames, base=out.parent)
-
-    with (
-        tempfile.TemporaryDirectory(prefix="mcsl-samples-") as folder,
-        closing(Samples.record(footage, Path(folder) / "samples", progress, step_s=settings.sample_s)) as samples,
-    ):
-        detection: Detection = chosen["movement"].implementation.detect(samples, footage, progress)
-        movements = detection.movements
-        solved = _solve(samples, footage, reference.name, movements, chosen, settings, progress)
-        table = score_views(samples, solved, movements, chosen["occlusion"], progress)
-        table = attrs.evolve(table, movement=detection.curve)
+    detection, solved, table = _looked_into(
+        footage, reference.name, key_of(key, rate, frames, settings.sample_s), cache, chosen, settings, progress
+    )
+    movements = detection.movements
     shots = tuple(chosen["selector"].implementation.select(table, frames=frames, rate=rate))
     keys = tuple(
         chosen["centerer"].implementation.centre(
@@ -165,11 +171,64 @@ def _reference(cameras: Sequence[edl.Camera], name: str | None) -> edl.Camera:
     )
 
 
-def _synchronised(
-    cameras: Sequence[edl.Camera], reference: edl.Camera, method: str, base: Path, progress: Progress
-) -> tuple[edl.Camera, ...]:
-    clocks = synchronise(method, cameras, base, progress, reference=reference.name)
-    return tuple(attrs.evolve(c, clock=clock) for c, clock in zip(cameras, clocks, strict=True))
+def _looked_into(
+    footage: Footage,
+    reference: str,
+    key: str,
+    cache: StageCache,
+    chosen: Mapping[str, Offer],
+    settings: AnalysisSettings,
+    progress: Progress,
+) -> tuple[Detection, list[SolvedPose], ScoreTable]:
+    """What the pictures say: movements, poses, visible field. ``key`` stands for all that the samples depend on.
+
+    The samples are looked at only where a stage's result is not in the cache.
+    """
+    with ExitStack() as stack:
+
+        @lru_cache
+        def samples() -> Samples:
+            return stack.enter_context(_looked(footage, cache, key, settings.sample_s, progress))
+
+        def moved() -> Detection:
+            return chosen["movement"].implementation.detect(samples(), footage, progress)
+
+        def posed() -> list[SolvedPose]:
+            return _solve(samples(), footage, reference, detection.movements, chosen, settings, progress)
+
+        def scored() -> ScoreTable:
+            return score_views(samples(), solved, detection.movements, chosen["occlusion"], progress)
+
+        moves = key_of(key, identity(chosen["movement"]))
+        detection = cache.remember("movements", moves, moved, DETECTION)
+        poses = key_of(moves, reference, identity(chosen["matcher"]), identity(chosen["aligner"]), settings.solve)
+        solved = cache.remember("poses", poses, posed, POSES)
+        scores = key_of(poses, identity(chosen["occlusion"]))
+        table = cache.remember("scores", scores, scored, SCORES)
+    return detection, solved, attrs.evolve(table, movement=detection.curve)
+
+
+@contextmanager
+def _looked(footage: Footage, cache: StageCache, key: str, step_s: float, progress: Progress) -> Iterator[Samples]:
+    """The samples of ``footage``: those in the cache, or made now (into the cache, else into a temporary file)."""
+    store = cache.file("samples", key)
+    if store is not None and (found := Samples.load(store)) is not None:
+        with closing(found):
+            yield found
+        return
+    with tempfile.TemporaryDirectory(prefix="mcsl-samples-") as folder:
+        if store is None:
+            store = Path(folder) / "samples"
+        else:
+            store.parent.mkdir(parents=True, exist_ok=True)
+        with closing(Samples.record(footage, store, progress, step_s=step_s)) as samples:
+            cache.prune("samples", kept=2)  # the pictures and their contents; some 20 MB a minute
+            yield samples
+
+
+def cache_folder(out: Path) -> Path:
+    """Where the results of the stages lie: beside the EDL ``out``. It may be deleted at any time."""
+    return out.with_name(f"{out.stem}.cache")
 
 
 def pose_ranges(movements: Sequence[edl.Movement], frames: int) -> list[FrameRange]:

@@ -155,6 +155,7 @@ def simulate(session: Session, out: Path, size: str, rate: str, **scene: Any) ->
 @click.option("--reference", metavar="CAMERA", help="Whose perspective the programme keeps (default: the first).")
 @click.option("--rate", help="Programme frames per second (default: the reference camera's).")
 @click.option("--sync", default="auto", show_default=True, help="auto (first sure), timecode, audio, motion or none.")
+@click.option("--no-cache", is_flag=True, help="Neither use nor keep results of stages beside the EDL.")
 @_stage_options
 @click.pass_obj
 def analyse(
@@ -164,6 +165,7 @@ def analyse(
     reference: str | None,
     rate: str | None,
     sync: str,
+    no_cache: bool,
     **stages: str | None,
 ) -> None:
     """Decide everything: a recording becomes an EDL.
@@ -177,6 +179,7 @@ def analyse(
             reference=reference,
             rate=parse_rate(rate) if rate else None,
             sync=sync,
+            cache=not no_cache,
             stages={stage: name for stage, name in stages.items() if name},
         )
     except ValueError as error:

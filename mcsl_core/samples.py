@@ -5,6 +5,7 @@ Every stage of the analysis iterates the same samples; pictures are BGR, reduced
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -15,12 +16,17 @@ import numpy as np
 from attrs import define, field, frozen
 from numpy.typing import NDArray
 
+from .documents import write_atomic
 from .footage import Footage
 from .progress import Progress
 from .timing import FrameRange
 
 SAMPLE_HEIGHT = 360
 JPEG_QUALITY = 92  # 45 dB: below what movement and hue are judged by; 40-80 kB a picture
+
+
+def _contents_of(store: Path) -> Path:
+    return store.with_name(store.name + ".json")
 
 
 @frozen(eq=False)
@@ -42,8 +48,12 @@ class Samples:
 
     @classmethod
     def record(cls, footage: Footage, store: Path, progress: Progress, *, step_s: float = 1.0) -> Samples:
-        """Decodes ``footage`` once, about a picture every ``step_s`` seconds, into the file ``store``."""
+        """Decodes ``footage`` once, about a picture every ``step_s`` seconds, into the file ``store``.
+
+        Beside it lies ``store``.json, which says where in it each picture is; with it `load` opens the store again.
+        """
         cameras = tuple(c.name for c in footage.cameras)
+        _contents_of(store).unlink(missing_ok=True)
         stream = store.open("w+b")
         frames: list[int] = []
         index: list[dict[str, tuple[int, int]]] = []
@@ -60,7 +70,22 @@ class Samples:
             progress.advance(min(sample.frame, footage.frames))
         progress.advance(footage.frames)
         stream.flush()
+        contents = {"cameras": cameras, "frames": frames, "pictures": index}
+        write_atomic(_contents_of(store), json.dumps(contents).encode())
         return cls(frames, cameras, index, stream)
+
+    @classmethod
+    def load(cls, store: Path) -> Samples | None:
+        """What `record` wrote to ``store``; None where it was not finished or is not whole."""
+        try:
+            contents = json.loads(_contents_of(store).read_text("utf-8"))
+            index = [{name: (start, length) for name, (start, length) in row.items()} for row in contents["pictures"]]
+            frames, cameras = contents["frames"], tuple(contents["cameras"])
+            if store.stat().st_size != max((sum(place) for row in index for place in row.values()), default=0):
+                return None
+            return cls(frames, cameras, index, store.open("rb"))
+        except (OSError, ValueError, KeyError, TypeError):
+            return None
 
     def close(self) -> None:
         """Lets go of the file; the samples cannot be looked at afterwards."""

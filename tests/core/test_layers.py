@@ -27,7 +27,16 @@ FLOORS: dict[int, set[str]] = {
     3: {"compositor", "hookspecs", "stages", "default_plugins", "plugins"},
     4: {
         *("evaluation", "figures", "manual", "steadiness", "reduced", "coverage", "study", "report"),  # measuring
-        *("surgical_field", "dense", "evidence", "solving", "anchoring", "scoring", "analysis"),  # deciding
+        *(
+            "surgical_field",
+            "dense",
+            "evidence",
+            "solving",
+            "anchoring",
+            "scoring",
+            "stage_cache",
+            "analysis",
+        ),  # deciding
         *("contact", "simulation", "demo"),
         *("conform", "programme_sound", "blender", "blender_child", "timeline", "presets", "rendering"),
     },
