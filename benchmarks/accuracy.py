@@ -236,7 +236,7 @@ def markdown(all_figures: Sequence[Mapping[str, Any]]) -> str:
             "",
             "## Alignment",
             "",
-            "rms error over the field as a multiple of the best single plane's: mean / worst camera (reach: 1.15 / 1.5). "
+            "rms error over the field as a multiple of the best plane's: mean / worst camera (reach: 1.15 / 1.5). "
             f"All default ones together: **{ratios.mean():.3f} / {ratios.max():.3f}** over {len(ratios)} views. The "
             "paper's column has its movements' poses. Perspectives (1 is: kept over every movement) and weak cameras.",
             "",
