@@ -8,6 +8,8 @@ import cv2
 import mcsl_calibrated as calibrated
 import numpy as np
 import pytest
+from mcsl_calibrated.calibration import calibrate
+from mcsl_calibrated.tracks import CalibrationSettings, build_tracks
 
 from mcsl_core.alignment import Correspondences
 from mcsl_core.plugins import discover
@@ -60,8 +62,8 @@ def test_the_focal_length_and_the_places_are_found(focal):
     cameras, places = pentagon(focal), relief(1)
     names = sorted(cameras)
     pairs = {(names.index(a), names.index(b)): p for (a, b), p in matches(cameras, places).items()}
-    tracks = calibrated.build_tracks(pairs)
-    model = calibrated.calibrate(tracks, dict.fromkeys(range(5), SIZE), 1.5, calibrated.CalibrationSettings())
+    tracks = build_tracks(pairs)
+    model = calibrate(tracks, dict.fromkeys(range(5), SIZE), 1.5, CalibrationSettings())
     assert model is not None
     assert sorted(model.poses) == [0, 1, 2, 3, 4]
     assert model.cameras[0][0, 0] / SIZE[0] == pytest.approx(focal, rel=0.02)
@@ -132,7 +134,7 @@ def test_a_track_never_holds_two_cells_of_one_camera():
         )
         for a, b in combinations(range(4), 2)
     }
-    tracks = calibrated.build_tracks(pairs)
+    tracks = build_tracks(pairs)
     assert len(np.unique(np.column_stack([tracks.place, tracks.camera]), axis=0)) == len(tracks.place)
     assert np.bincount(tracks.place).min() >= 2
     assert (tracks.weight > 0).all()
@@ -141,7 +143,7 @@ def test_a_track_never_holds_two_cells_of_one_camera():
 def test_tracks_join_what_all_cameras_see():
     cameras, places = pentagon(1.6), relief(7, 60)
     pairs = matches(cameras, places, noise_px=0.0, share=1.0)
-    tracks = calibrated.build_tracks({(int(a[3]), int(b[3])): p for (a, b), p in pairs.items()})
+    tracks = build_tracks({(int(a[3]), int(b[3])): p for (a, b), p in pairs.items()})
     assert np.mean(np.bincount(tracks.place) == 5) > 0.9
 
 
