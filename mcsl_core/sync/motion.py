@@ -7,7 +7,7 @@ at the beginning (longer, where that is not sure), then one in the middle and on
 windows a line is laid.
 
 Simulated recordings of 2 to 10 minutes at 8 to 25 pictures a second came out within 27 ms over their whole length, half
-of the cameras within 7 ms. Drift is known to 30 ppm at best, so a usual crystal's counts for little.
+of the cameras within 12 ms. Drift is known to 30 ppm at best, so a usual crystal's counts for little.
 """
 
 from __future__ import annotations
