@@ -7,6 +7,7 @@ from .centering import FieldCenterer
 from .features import RootSift
 from .filling import FootprintFiller, ReferenceFiller
 from .hookspecs import hookimpl
+from .misalignment import DegreeOfMisalignment
 from .movement import Stillness
 from .occlusion import HueArea
 from .selection import Fixed, LeastOccluded, ShortestPath
@@ -14,7 +15,7 @@ from .selection import Fixed, LeastOccluded, ShortestPath
 
 @hookimpl
 def register_movement_detectors():
-    return [Stillness()]
+    return [Stillness(), DegreeOfMisalignment()]
 
 
 @hookimpl

@@ -5,6 +5,7 @@ What is promised in `hookspecs.py` is checked with pictures that nobody's implem
 
 from __future__ import annotations
 
+from contextlib import closing
 from fractions import Fraction
 from itertools import combinations, pairwise
 
@@ -12,10 +13,14 @@ import attrs
 import cv2
 import numpy as np
 import pytest
+from lamp_video import write_lamp
 
 from mcsl_core.alignment import Alignment, Correspondences, apply
 from mcsl_core.centering import FieldPlace
+from mcsl_core.footage import Footage
 from mcsl_core.plugins import Offer, discover
+from mcsl_core.progress import Silent
+from mcsl_core.samples import Samples
 from mcsl_core.scene import Scene
 from mcsl_core.scores import ScoreTable
 from mcsl_core.timing import FrameRange, check_tiles
@@ -37,6 +42,46 @@ def cloth(seed: int, size: tuple[int, int] = (480, 270)) -> np.ndarray:
     )
     grey = cv2.normalize(grey, None, 30, 220, cv2.NORM_MINMAX).astype(np.uint8)
     return cv2.merge([grey // 2, grey, grey // 3])
+
+
+@pytest.fixture(scope="module")
+def lamp_films(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Samples, Footage]]:
+    """Films of 36 s: on one the lamp moves from 24 to 25.5 s, on the other it stands; heads pass on both."""
+    films = {}
+    for name, way in (("moved", lambda t: min(max((t - 24) / 1.5, 0), 1)), ("stood", lambda t: 0.0)):
+        folder = tmp_path_factory.mktemp(name)
+        footage = write_lamp(folder, way, seconds=36, heads=0.2)
+        films[name] = Samples.record(footage, folder / "samples", Silent()), footage
+    return films
+
+
+@pytest.mark.slow
+@offers("movement")
+@pytest.mark.parametrize(("film", "count"), [("moved", 1), ("stood", 0)])
+def test_movement_detectors_find_what_moves_and_nothing_else(offer: Offer, lamp_films, film: str, count: int) -> None:
+    samples, footage = lamp_films[film]
+    found = offer.implementation.detect(samples, footage, Silent())
+    assert len(found.movements) == count
+    for before, after in pairwise([FrameRange(0, 1), *(m.range for m in found.movements)]):
+        assert before.stop <= after.start
+        assert after.stop <= footage.frames
+    for movement in found.movements:  # the paper's detector is sure to some seconds only
+        assert movement.range.start / footage.rate == pytest.approx(24, abs=5)
+        assert movement.range.stop / footage.rate == pytest.approx(25.5, abs=5)
+    curve = found.curve
+    assert curve.label
+    assert len(curve.frames) >= 30
+    assert (np.diff(curve.frames) > 0).all()
+    again = offer.implementation.detect(samples, footage, Silent())
+    assert again.movements == found.movements
+
+
+@offers("movement")
+@pytest.mark.parametrize("seconds", [0.2, 1.5])
+def test_movement_detectors_take_a_recording_of_one_or_two_looks(offer: Offer, tmp_path, seconds: float) -> None:
+    footage = write_lamp(tmp_path, lambda t: 0.0, seconds=seconds)
+    with closing(Samples.record(footage, tmp_path / "samples", Silent())) as samples:
+        assert offer.implementation.detect(samples, footage, Silent()).movements == ()
 
 
 @offers("matcher")

@@ -24,7 +24,7 @@ FLOORS: dict[int, set[str]] = {
         *("samples", "scene", "scores"),  # values that pass between stages
     },
     2: {"sync", "movement", "features", "alignment", "occlusion", "selection", "centering", "filling", "colour"},
-    3: {"compositor", "hookspecs", "stages", "default_plugins", "plugins"},
+    3: {"compositor", "misalignment", "hookspecs", "stages", "default_plugins", "plugins"},
     4: {
         *("evaluation", "figures", "manual", "steadiness", "reduced", "coverage", "study", "report"),  # measuring
         *(
