@@ -18,6 +18,7 @@ from attrs import field, frozen
 from . import __version__, edl
 from .anchoring import anchor
 from .centering import FieldPlace, field_middle
+from .cutting import moved_to, refine_cuts, select_shots
 from .errors import InputError, UsageError
 from .evidence import SolvedPose, SolveSettings
 from .footage import Footage
@@ -28,9 +29,9 @@ from .recording import discover
 from .samples import Samples
 from .scene import scaling
 from .scores import Detection, ScoreTable
-from .scoring import score_views
+from .scoring import Stretch, score_views, stretches
 from .solving import solve_pose
-from .stage_cache import CLOCKS, DETECTION, POSES, SCORES, StageCache, code_digest, identity, key_of
+from .stage_cache import CLOCKS, CUTS, DETECTION, POSES, SCORES, StageCache, code_digest, identity, key_of
 from .stages import STAGES
 from .sync import synchronise
 from .timing import FrameRange, format_time
@@ -86,11 +87,10 @@ def analyse(
     rate = settings.rate or reference.rate
     frames = programme_length(reference, out.parent, rate)
     footage = Footage(cameras, rate=rate, frames=frames, base=out.parent)
-    detection, solved, table = _looked_into(
+    detection, solved, table, shots = _looked_into(
         footage, reference.name, key_of(key, rate, frames, settings.sample_s), cache, chosen, settings, progress
     )
     movements = detection.movements
-    shots = tuple(chosen["selector"].implementation.select(table, frames=frames, rate=rate))
     keys = tuple(
         chosen["centerer"].implementation.centre(
             [_field_place(s, reference.size) for s in solved], size=reference.size, rate=float(rate)
@@ -179,8 +179,8 @@ def _looked_into(
     chosen: Mapping[str, Offer],
     settings: AnalysisSettings,
     progress: Progress,
-) -> tuple[Detection, list[SolvedPose], ScoreTable]:
-    """What the pictures say: movements, poses, visible field. ``key`` stands for all that the samples depend on.
+) -> tuple[Detection, list[SolvedPose], ScoreTable, tuple[edl.Shot, ...]]:
+    """What the pictures say: movements, poses, visible field, shots. ``key`` stands for all that the samples depend on.
 
     The samples are looked at only where a stage's result is not in the cache.
     """
@@ -197,7 +197,14 @@ def _looked_into(
             return _solve(samples(), footage, reference, detection.movements, chosen, settings, progress)
 
         def scored() -> ScoreTable:
-            return score_views(samples(), solved, detection.movements, chosen["occlusion"], progress)
+            return score_views(samples(), solved, pieces(), detection.movements, progress)
+
+        @lru_cache
+        def pieces() -> tuple[Stretch, ...]:
+            return stretches(samples(), solved, detection.movements, chosen["occlusion"])
+
+        def refined() -> tuple[int, ...]:
+            return refine_cuts(shots, footage, pieces(), detection.movements, progress)
 
         moves = key_of(key, identity(chosen["movement"]))
         detection = cache.remember("movements", moves, moved, DETECTION)
@@ -205,7 +212,9 @@ def _looked_into(
         solved = cache.remember("poses", poses, posed, POSES)
         scores = key_of(poses, identity(chosen["occlusion"]))
         table = cache.remember("scores", scores, scored, SCORES)
-    return detection, solved, attrs.evolve(table, movement=detection.curve)
+        shots = select_shots(chosen["selector"], table, frames=footage.frames, rate=footage.rate)
+        cuts = cache.remember("cuts", key_of(scores, [(s.range.start, s.camera) for s in shots]), refined, CUTS)
+    return detection, solved, attrs.evolve(table, movement=detection.curve), moved_to(shots, cuts)
 
 
 @contextmanager

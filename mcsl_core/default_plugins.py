@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .alignment import JointPlane
 from .centering import FieldCenterer
+from .consensus import Consensus
 from .features import RootSift
 from .filling import FootprintFiller, ReferenceFiller
 from .hookspecs import hookimpl
@@ -30,7 +31,7 @@ def register_aligners():
 
 @hookimpl
 def register_occlusion_detectors():
-    return [HueArea()]
+    return [Consensus(), HueArea()]
 
 
 @hookimpl

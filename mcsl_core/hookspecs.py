@@ -81,7 +81,7 @@ class Aligner(Protocol):
 
 
 class OcclusionScorer(Protocol):
-    """Scores the moments of one pose."""
+    """Scores the moments of one stretch, in any order."""
 
     def score(self, views: Sequence[View]) -> Mapping[str, float]:
         """camera -> visible share of the surgical field, 0 (hidden) to 1 (clear), for every view handed in."""
@@ -94,8 +94,12 @@ class OcclusionDetector(Protocol):
     @property
     def name(self) -> str: ...
 
-    def scorer(self, scene: Scene) -> OcclusionScorer:
-        """A scorer for one pose; moments are handed to it in order of time."""
+    def scorer(self, scene: Scene, moments: Sequence[Sequence[View]]) -> OcclusionScorer:
+        """A scorer for a stretch of a pose, a few minutes at most.
+
+        moments: the views of its samples in order of time, about one a second; each access reads them anew. The scorer
+        is then asked about these moments, and about others of the stretch with only some of the cameras.
+        """
         ...
 
 

@@ -90,8 +90,8 @@ class HueArea:
 
     name = "hue-area"
 
-    def scorer(self, scene: Scene) -> HueScorer:
-        """A scorer for one pose."""
+    def scorer(self, scene: Scene, moments: Sequence[Sequence[View]]) -> HueScorer:
+        """A scorer for a pose; ``moments`` are not needed."""
         return HueScorer(scene.field)
 
 

@@ -30,9 +30,16 @@ def sample_borders(table: ScoreTable, frames: int) -> NDArray[np.int64]:
 
 
 def worth(table: ScoreTable, borders: NDArray[np.int64]) -> NDArray[np.float64]:
-    """(S, C): visible field times the frames each sample stands for; 0 without data, FORBIDDEN where unusable."""
-    value = np.where(table.usable, np.nan_to_num(table.visible, nan=0.0), FORBIDDEN)
-    return value * np.diff(borders)[:, None]
+    """(S, C): visible field times the frames each sample stands for; FORBIDDEN where unusable.
+
+    Where there is no data, as while the lamp moves, the line between what was seen before and after stands for it (a
+    head is likely to be still there); 0 for a camera without any.
+    """
+    seen = table.visible.copy()
+    for column in seen.T:
+        known = ~np.isnan(column)
+        column[~known] = np.interp(table.frames[~known], table.frames[known], column[known]) if known.any() else 0.0
+    return np.where(table.usable, seen, FORBIDDEN) * np.diff(borders)[:, None]
 
 
 def shots_from(choice: NDArray[np.int64], table: ScoreTable, borders: NDArray[np.int64], why: str) -> tuple[Shot, ...]:

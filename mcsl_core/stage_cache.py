@@ -183,3 +183,6 @@ CLOCKS = Form(_pack_clocks, _unpack_clocks)
 DETECTION = Form(_pack_detection, _unpack_detection)
 POSES = Form(_pack_poses, _unpack_poses)
 SCORES = Form(_pack_scores, _unpack_scores)
+CUTS: Form[tuple[int, ...]] = Form(
+    lambda cuts: {"cuts": np.array(cuts, np.int64)}, lambda arrays: tuple(int(n) for n in arrays["cuts"])
+)

@@ -21,7 +21,7 @@ STAGES: Mapping[str, Stage] = {
     "movement": Stage("register_movement_detectors", ("detect",), "stillness", "finds when the lamp moves"),
     "matcher": Stage("register_matchers", ("features", "match"), "rootsift", "finds the same places in two views"),
     "aligner": Stage("register_aligners", ("align",), "joint-plane", "ties the views of a pose together"),
-    "occlusion": Stage("register_occlusion_detectors", ("scorer",), "hue-area", "says how much of the field shows"),
+    "occlusion": Stage("register_occlusion_detectors", ("scorer",), "consensus", "says how much of the field shows"),
     "selector": Stage("register_selectors", ("select",), "shortest-path", "chooses the camera of every moment"),
     "centerer": Stage("register_centerers", ("centre",), "field", "puts the surgical field in the middle"),
     "filler": Stage("register_fillers", ("fill",), "footprint", "fills what the warp leaves empty"),

@@ -247,7 +247,8 @@ def field_scene() -> tuple[Scene, np.ndarray]:
 @offers("occlusion")
 def test_detectors_see_less_where_more_is_hidden(offer: Offer) -> None:
     scene, picture = field_scene()
-    scorer = offer.implementation.scorer(scene)
+    clear = scene.views({"cam1": picture, "cam2": picture, "cam3": picture})
+    scorer = offer.implementation.scorer(scene, [clear] * 3)
     seen = []
     for hidden in (0, 40, 90, 150, 220):
         covered = picture.copy()
@@ -271,8 +272,10 @@ def test_detectors_see_less_where_more_is_hidden(offer: Offer) -> None:
 @offers("occlusion")
 def test_detectors_take_a_moment_with_one_camera(offer: Offer) -> None:
     scene, picture = field_scene()
-    scores = offer.implementation.scorer(scene).score(scene.views({"cam1": picture, "cam2": None, "cam3": None}))
-    assert set(scores) == {"cam1"}
+    views = scene.views({"cam1": picture, "cam2": None, "cam3": None})
+    for moments in ([views], []):
+        scores = offer.implementation.scorer(scene, moments).score(views)
+        assert set(scores) == {"cam1"}
 
 
 @offers("selector")

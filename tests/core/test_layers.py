@@ -23,7 +23,18 @@ FLOORS: dict[int, set[str]] = {
         *("images", "media", "video", "playhead", "sampling", "sound", "recording", "footage"),  # reading
         *("samples", "scene", "scores"),  # values that pass between stages
     },
-    2: {"sync", "movement", "features", "alignment", "occlusion", "selection", "centering", "filling", "colour"},
+    2: {
+        "sync",
+        "movement",
+        "features",
+        "alignment",
+        "occlusion",
+        "consensus",
+        "selection",
+        "centering",
+        "filling",
+        "colour",
+    },
     3: {"compositor", "misalignment", "hookspecs", "stages", "default_plugins", "plugins"},
     4: {
         *("evaluation", "figures", "manual", "steadiness", "reduced", "coverage", "study", "report"),  # measuring
@@ -34,6 +45,7 @@ FLOORS: dict[int, set[str]] = {
             "solving",
             "anchoring",
             "scoring",
+            "cutting",
             "stage_cache",
             "analysis",
         ),  # deciding

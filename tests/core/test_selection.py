@@ -30,11 +30,28 @@ def tables(draw: st.DrawFn, samples: int = 7, cameras: int = 3) -> tuple[ScoreTa
     return table, int(frames[-1]) + draw(st.integers(1, 9))
 
 
+def known(table: ScoreTable, i: int, c: int) -> float:
+    """What is known of camera c at sample i: where it has no data, the line between the nearest that it has."""
+    there = [j for j in range(len(table.frames)) if not np.isnan(table.visible[j, c])]
+    if not there:
+        return 0.0
+    before, after = (
+        max((j for j in there if j <= i), default=there[0]),
+        min((j for j in there if j >= i), default=there[-1]),
+    )
+    a, b, at = (float(table.frames[j]) for j in (before, after, i))
+    share = 0.0 if a == b else (at - a) / (b - a)
+    return (
+        float((1 - share) * table.visible[before, c] + share * table.visible[after, c])
+        if a <= at
+        else float(table.visible[after, c])
+    )
+
+
 def value(table: ScoreTable, borders: np.ndarray, choice: tuple[int, ...], cost: float) -> float:
     total = 0.0
     for i, c in enumerate(choice):
-        seen = table.visible[i, c]
-        worth = (0.0 if np.isnan(seen) else seen) if table.usable[i, c] else -1e7
+        worth = known(table, i, c) if table.usable[i, c] else -1e7
         total += worth * (borders[i + 1] - borders[i])
     return total - cost * sum(a != b for a, b in pairwise(choice))
 

@@ -1,0 +1,122 @@
+"""Shots from the chosen selector, checked, and their switches moved to the very frame.
+
+Samples lie about a second apart; around a switch the two cameras are decoded more densely. The cost grows with the
+number of switches, not with the length of the recording.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from itertools import pairwise
+
+import attrs
+import numpy as np
+from attrs import field, frozen
+
+from .edl import Movement, Shot
+from .errors import PluginError
+from .footage import Footage
+from .plugins import Offer
+from .progress import Progress
+from .samples import SAMPLE_HEIGHT
+from .scores import ScoreTable
+from .scoring import Stretch
+from .timing import FrameRange, check_tiles
+
+
+def select_shots(selector: Offer, table: ScoreTable, *, frames: int, rate: Fraction) -> tuple[Shot, ...]:
+    """The selector's shots; a PluginError names it when they do not tile [0, frames) or show an unknown camera."""
+    shots = tuple(selector.implementation.select(table, frames=frames, rate=rate))
+    unknown = sorted({s.camera for s in shots} - set(table.cameras))
+    fault = f"chose camera {unknown[0]!r}, expected one of {', '.join(table.cameras)}" if unknown else None
+    try:
+        check_tiles((s.range for s in shots), frames, "shots")
+    except ValueError as error:
+        fault = str(error)
+    if fault:
+        raise PluginError(
+            fault,
+            where=f"selector {selector}",
+            remedy="Report it to its author, or choose another with --selector",
+        )
+    return shots
+
+
+@frozen
+class Refinement:
+    """reach_s: a switch moves by so much at most. step_s: how densely it is looked at. least_s: no shot is made shorter
+    than this, or than it was."""
+
+    reach_s: float = field(default=1.0)
+    step_s: float = field(default=0.16)
+    least_s: float = field(default=2.0)
+
+
+def refine_cuts(
+    shots: Sequence[Shot],
+    footage: Footage,
+    pieces: Sequence[Stretch],
+    movements: Sequence[Movement],
+    progress: Progress,
+    settings: Refinement = Refinement(),
+) -> tuple[int, ...]:
+    """The frames to switch at: for every switch where its two cameras together show most of the field.
+
+    A switch near a movement stays: no score holds there.
+    """
+    rate = float(footage.rate)
+    least = round(settings.least_s * rate)
+    cuts = [s.range.start for s in shots[1:]]
+    ends = [0, *cuts, footage.frames]
+    progress.stage("Refining the switches", len(cuts), "switches")
+    for n, (before, after) in enumerate(zip(shots, shots[1:], strict=False)):
+        # The switch before has been moved already, the one after has not: both bound this one.
+        earliest = max(ends[n] + min(least, ends[n + 1] - ends[n]), ends[n + 1] - round(settings.reach_s * rate))
+        latest = min(ends[n + 2] - min(least, ends[n + 2] - ends[n + 1]), ends[n + 1] + round(settings.reach_s * rate))
+        piece = next((p for p in pieces if ends[n + 1] in p.range), None)
+        if piece is not None and latest > earliest and not _moving(earliest, latest, movements):
+            span = FrameRange(max(earliest, piece.range.start), min(latest + 1, piece.range.stop))
+            ends[n + 1] = _best_cut(ends[n + 1], span, before.camera, after.camera, footage, piece, settings)
+        progress.advance(n + 1)
+    return tuple(ends[1:-1])
+
+
+def moved_to(shots: Sequence[Shot], cuts: Sequence[int]) -> tuple[Shot, ...]:
+    """``shots`` with their switches at the frames ``cuts``, one fewer than shots."""
+    ends = [0, *cuts, shots[-1].range.stop]
+    return tuple(
+        attrs.evolve(shot, range=FrameRange(start, stop))
+        for shot, (start, stop) in zip(shots, pairwise(ends), strict=True)
+    )
+
+
+def _moving(start: int, stop: int, movements: Sequence[Movement]) -> bool:
+    return any(m.range.start <= stop and start < m.range.stop for m in movements)
+
+
+def _best_cut(
+    cut: int, span: FrameRange, before: str, after: str, footage: Footage, piece: Stretch, settings: Refinement
+) -> int:
+    """The frame of ``span`` to switch at: most visible field in ``before`` up to it and in ``after`` from it on."""
+    frames = list(range(span.start, span.stop, max(1, round(settings.step_s * float(footage.rate)))))
+    seen = [_seen(camera, frames, footage, piece) for camera in (before, after)]
+    known = ~np.isnan(seen[0]) & ~np.isnan(seen[1])
+    if known.sum() < 2:
+        return cut
+    every = np.arange(span.start, span.stop)
+    gain = np.interp(every, np.array(frames)[known], (seen[0] - seen[1])[known])
+    worth = np.concatenate([[0.0], np.cumsum(gain)[:-1]])  # of staying with `before` up to each frame
+    # Of equals the one nearest to where the samples put it.
+    best = np.flatnonzero(worth >= worth.max() - 1e-9)
+    return int(every[best[np.argmin(np.abs(every[best] - cut))]])
+
+
+def _seen(camera: str, frames: Sequence[int], footage: Footage, piece: Stretch) -> np.ndarray:
+    """(N,) visible field of ``camera`` at ``frames``, NaN without picture."""
+    seen = np.full(len(frames), np.nan)
+    for n, (_, picture) in enumerate(footage.pictures(camera, frames, height=SAMPLE_HEIGHT)):
+        views = piece.moments.scene.views({camera: picture})
+        if views:
+            seen[n] = piece.score(views)[camera]
+    return seen
