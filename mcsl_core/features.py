@@ -39,7 +39,7 @@ class RootSift:
     gave more true matches than 0.75 without it on drapes.
     """
 
-    max_features: int = field(default=2500)
+    max_features: int = field(default=1500)
     ratio: float = field(default=0.85)
     name = "rootsift"
 

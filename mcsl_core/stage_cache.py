@@ -8,7 +8,7 @@ answered from yesterday's version of itself.
 from __future__ import annotations
 
 import hashlib
-import importlib.util
+import importlib
 import io
 import json
 from collections.abc import Callable, Mapping, Sequence
@@ -95,11 +95,9 @@ def identity(offer: Offer) -> tuple[str, str, str]:
 @lru_cache
 def code_digest(package: str) -> str:
     """A hash of the Python source of a top-level package or module; empty where there is no source."""
-    spec = importlib.util.find_spec(package)
-    if spec is None:
-        return ""
-    folders = [Path(p) for p in spec.submodule_search_locations or ()]
-    files = sorted(f for folder in folders for f in folder.rglob("*.py")) or [Path(spec.origin or "")]
+    module = importlib.import_module(package)
+    folders = [Path(p) for p in getattr(module, "__path__", ())]
+    files = sorted(f for folder in folders for f in folder.rglob("*.py")) or [Path(getattr(module, "__file__", ""))]
     digest = hashlib.sha256()
     for file in files:
         if file.is_file():
