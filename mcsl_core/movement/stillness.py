@@ -218,7 +218,7 @@ class Stillness:
         stop = side(range(span.last, span.first - 1, -1), high)
         first = frames[span.first] if start is None else int(np.floor(start)) + 1
         last = frames[span.last] if stop is None else int(np.ceil(stop))
-        confidence = round(min(1.0, max(0.0, 1 - span.least / self.still)), 3)
+        confidence = round(min(1.0, max(0.0, 1 - float(span.least) / self.still)), 3)
         if last <= first:  # the two sides contradict each other: what the samples say stands
             return Movement(FrameRange(frames[span.first], frames[span.last]), 0.5 * confidence)
         return Movement(FrameRange(max(first, 0), min(last, footage.frames)), confidence)
