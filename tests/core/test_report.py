@@ -276,7 +276,7 @@ def edl_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     cameras = (*made.cameras[:2], attrs.evolve(made.cameras[2], gaps=(FrameRange(20, 40),)))
     reason = "its matches with all the others contradict each other: they may show heads, not the field"
     poses = tuple(attrs.evolve(p, weak=(Weak("cam3", reason),)) for p in made.poses)
-    override = Override(FrameRange(100, 140), camera="cam1", note="a-very-long-remark-without-a-single-space-" * 4)
+    override = Override(FrameRange(100, 140), camera="cam1", note="a_remark_without_a_single_space_" * 5)
     edl = attrs.evolve(made, shots=shots, cameras=cameras, poses=poses, overrides=(override,))
     document.save(edl, path)
     return path
