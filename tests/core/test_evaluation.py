@@ -19,7 +19,7 @@ from mcsl_core import figures
 from mcsl_core.compositor import Compositor
 from mcsl_core.conform import programme_frames
 from mcsl_core.coverage import Coverage
-from mcsl_core.edl import IDENTITY, Camera, Edl, Look, Media, Override, Pose, Shot, resolve
+from mcsl_core.edl import IDENTITY, Camera, Colour, Edl, Look, Media, Override, Pose, Shot, resolve
 from mcsl_core.errors import InputError, UsageError
 from mcsl_core.evaluation import Variant, evaluate, interframe_fidelity, standard_variants, without_alignment
 from mcsl_core.filling import FootprintFiller, ReferenceFiller
@@ -337,6 +337,15 @@ def test_coverage_tells_which_camera_every_pixel_is_from(still: Path, filler) ->
     deep = cv2.erode(deep.astype(np.uint8), np.ones((81, 81), np.uint8), borderValue=0) > 0
     assert shares["c"][deep].min() > 0.98
     assert shares["a"][~deep].max() > 0.98, "the reference camera stands behind"
+    dimmed = Colour(((0.3, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0)))
+    coloured = attrs.evolve(
+        edl,
+        look=attrs.evolve(edl.look, colour=True),
+        poses=(attrs.evolve(edl.poses[0], colour={"c": dimmed}),),
+        overrides=(Override(FrameRange(0, 5), colour=True),),
+    )
+    again = Coverage(coloured, footage, filler=filler()).shares(2)
+    assert all((again[name] == shares[name]).all() for name in shares), "colours do not tell where a pixel is from"
     plain = Coverage(edl, footage, look=Look(False, False, False)).covered(2)
     assert np.count_nonzero(plain) < np.count_nonzero(covered)
 
