@@ -267,7 +267,9 @@ def _solve(
     sizes = {c.name: c.size for c in footage.cameras}
     matcher = chosen["matcher"].implementation
     solved: list[SolvedPose] = []
-    for piece in pose_ranges(movements, footage.frames):
+    pieces = pose_ranges(movements, footage.frames)
+    progress.stage("Aligning the views", len(pieces), "poses")
+    for piece in pieces:
         pose = solve_pose(
             piece,
             _standing(samples, piece, movements),
@@ -280,6 +282,7 @@ def _solve(
             progress=progress,
         )
         solved.append(anchor(pose, solved, samples, matcher=matcher, settings=settings.solve, progress=progress))
+        progress.advance(len(solved))
     return solved
 
 

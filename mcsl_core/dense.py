@@ -44,7 +44,7 @@ class DenseSettings:
     that never shows the field's hue.
     """
 
-    grid_px: int = field(default=6)
+    grid_px: int = field(default=8)
     likeness: float = field(default=0.7)
     contrast: float = field(default=2.0)
     reach: float = field(default=0.02)

@@ -19,7 +19,6 @@ from .edl import Pose
 from .features import Features
 from .hookspecs import Matcher
 from .occlusion import ClearFrames, field_from_hue
-from .progress import Progress
 from .samples import Samples
 from .scene import Mask, Scene, scaling
 from .surgical_field import middle
@@ -80,15 +79,12 @@ def spread(positions: Sequence[int], wanted: int) -> list[int]:
     return [positions[i] for i in np.unique(at)]
 
 
-def gather(
-    moments: Sequence[int], views: Sequence[int], samples: Samples, matcher: Matcher, progress: Progress
-) -> dict[str, Evidence]:
+def gather(moments: Sequence[int], views: Sequence[int], samples: Samples, matcher: Matcher) -> dict[str, Evidence]:
     """Every camera's points at ``moments``, and its field by ``views``, both positions of samples.
 
     The samples' own pictures serve: points in pictures of twice their rows cost three times as much and, once
     every spot of the field is compared, place it no better. SIFT lets go of the interpreter: cameras share cores.
     """
-    progress.stage("Finding points", len(samples.cameras), "cameras")
 
     def gathered(camera: str) -> Evidence | None:
         small = [p for i in views if (p := samples.picture(i, camera)) is not None]
@@ -99,10 +95,9 @@ def gather(
 
     evidence: dict[str, Evidence] = {}
     with ThreadPoolExecutor(max_workers=2) as workers:
-        for done, (name, made) in enumerate(zip(samples.cameras, workers.map(gathered, samples.cameras), strict=True)):
+        for name, made in zip(samples.cameras, workers.map(gathered, samples.cameras), strict=True):
             if made is not None:
                 evidence[name] = made
-            progress.advance(done + 1)
     return evidence
 
 

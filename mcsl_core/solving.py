@@ -57,7 +57,7 @@ def solve_pose(
     picked, _ = settings.clear.choose(np.array([_doo(samples, i) for i in standing]))
     moments = [standing[i] for i in picked]
     many = spread(standing, settings.typical_moments)
-    evidence = gather(moments, many, samples, matcher, progress)
+    evidence = gather(moments, many, samples, matcher)
     first, pairs = _by_points(evidence, sizes, reference, matcher, aligner, settings)
     typical = _scene(first, sizes, reference, settings.typical_width)
     place = field_of(typical_picture(typical, (samples[i].pictures for i in many)))

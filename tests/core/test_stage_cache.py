@@ -54,7 +54,7 @@ def test_a_changed_selector_looks_at_nothing_again(recording: Path, tmp_path: Pa
     before = out.read_bytes()
     again = analyse(recording, out)
     assert LOOKING not in again
-    assert "Finding points" not in again
+    assert "Aligning the views" not in again
     assert out.read_bytes() == before, "what comes from the cache is what was made"
     greedy = analyse(recording, out, selector="least-occluded")
     assert LOOKING not in greedy
@@ -71,7 +71,7 @@ def test_a_changed_detector_scores_again_but_decodes_nothing(recording: Path, tm
     stages = analyse(recording, out, occlusion=next(n for n in others if n != plugins.STAGES["occlusion"].default))
     assert "Scoring the views" in stages
     assert LOOKING not in stages
-    assert "Finding points" not in stages
+    assert "Aligning the views" not in stages
 
 
 def test_changed_media_are_looked_at(recording: Path, tmp_path: Path) -> None:
