@@ -288,11 +288,10 @@ def _views(v: Mapping[str, Any] | None) -> str:
 
 
 def _field(v: Mapping[str, Any] | None) -> str:
-    return (
-        "not run"
-        if v is None
-        else f"{v['visible']:.1%}, {v['visible_standing']:.1%}; {v['switches_per_5_s']:.2f}; {v['shortest_s']:.1f} s"
-    )
+    if v is None:
+        return "not run"
+    share, standing, switches = v["visible"], v["visible_standing"], v["switches_per_5_s"]
+    return f"{share:.1%}, {standing:.1%}; {switches:.2f}; {v['shortest_s']:.1f} s"
 
 
 def _number(value: float | None) -> str:
