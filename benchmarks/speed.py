@@ -71,6 +71,7 @@ def join(sources: list[Path], target: Path) -> None:
     """Files of one kind one after another, packet by packet."""
     with av.open(str(target), "w") as out:
         streams: dict[str, Any] = {}
+        last: dict[str, Any] = {}
         shift_s = 0.0
         for source in sources:
             with av.open(str(source)) as container:
@@ -80,9 +81,12 @@ def join(sources: list[Path], target: Path) -> None:
                 for packet in container.demux():
                     if packet.dts is None or packet.time_base is None:
                         continue
-                    shift = round(shift_s / packet.time_base)
+                    kind, shift = packet.stream.type, round(shift_s / packet.time_base)
                     packet.pts, packet.dts = (packet.pts or 0) + shift, packet.dts + shift
-                    packet.stream = streams[packet.stream.type]
+                    if packet.dts * packet.time_base <= last.get(kind, -1):
+                        continue  # the last block of sound reaches into the next clip
+                    last[kind] = packet.dts * packet.time_base
+                    packet.stream = streams[kind]
                     out.mux(packet)
             shift_s += CLIP_S
 

@@ -46,9 +46,10 @@ def select_shots(selector: Offer, table: ScoreTable, *, frames: int, rate: Fract
 @frozen
 class Refinement:
     """reach_s: a switch moves by so much at most. step_s: how densely it is looked at. least_s: no shot is made shorter
-    than this, or than it was."""
+    than this, or than it was. moving_reach_s: as reach_s, of a switch while the lamp moves."""
 
     reach_s: float = field(default=1.0)
+    moving_reach_s: float = field(default=3.0)
     step_s: float = field(default=0.16)
     least_s: float = field(default=2.0)
 
@@ -63,7 +64,8 @@ def refine_cuts(
 ) -> tuple[int, ...]:
     """The frames to switch at: for every switch where its two cameras together show most of the field.
 
-    A switch near a movement stays: no score holds there.
+    No score holds while the lamp moves. A switch that falls into a movement goes to its middle, where the pose changes
+    and the picture jumps in any case: so the viewer sees one camera up to there, one from there on, and one jump.
     """
     rate = float(footage.rate)
     least = round(settings.least_s * rate)
@@ -72,10 +74,16 @@ def refine_cuts(
     progress.stage("Refining the switches", len(cuts), "switches")
     for n, (before, after) in enumerate(zip(shots, shots[1:], strict=False)):
         # The switch before has been moved already, the one after has not: both bound this one.
-        earliest = max(ends[n] + min(least, ends[n + 1] - ends[n]), ends[n + 1] - round(settings.reach_s * rate))
-        latest = min(ends[n + 2] - min(least, ends[n + 2] - ends[n + 1]), ends[n + 1] + round(settings.reach_s * rate))
+        moving = next((m.range for m in movements if ends[n + 1] in m.range), None)
+        reach = round((settings.reach_s if moving is None else settings.moving_reach_s) * rate)
+        earliest = max(ends[n] + min(least, ends[n + 1] - ends[n]), ends[n + 1] - reach)
+        latest = min(ends[n + 2] - min(least, ends[n + 2] - ends[n + 1]), ends[n + 1] + reach)
         piece = next((p for p in pieces if ends[n + 1] in p.range), None)
-        if piece is not None and latest > earliest and not _moving(earliest, latest, movements):
+        if moving is not None:
+            middle = (moving.start + moving.stop) // 2
+            if earliest <= middle <= latest:
+                ends[n + 1] = middle
+        elif piece is not None and latest > earliest and not _moving(earliest, latest, movements):
             span = FrameRange(max(earliest, piece.range.start), min(latest + 1, piece.range.stop))
             ends[n + 1] = _best_cut(ends[n + 1], span, before.camera, after.camera, footage, piece, settings)
         progress.advance(n + 1)

@@ -93,9 +93,11 @@ def test_no_shot_becomes_shorter_than_two_seconds_or_than_it_was(footage: Footag
     assert refined(footage, 50, 62)[0] == 50, "a shot that a selector made short is not made shorter"
 
 
-def test_a_switch_at_a_movement_stays(footage: Footage) -> None:
+def test_a_switch_near_a_movement_stays_and_one_in_it_goes_to_its_middle(footage: Footage) -> None:
     moved = Movement(FrameRange(58, 64), 1.0)
     assert refined(footage, 50, movements=[moved]) == (50,)
+    assert refined(footage, 58, movements=[moved]) == (61,)
+    assert refined(footage, 30, 58, movements=[Movement(FrameRange(20, 60), 1.0)])[1] == 58, "the shot before is short"
 
 
 @attrs.frozen
