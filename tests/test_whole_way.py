@@ -64,11 +64,14 @@ def test_every_movement_is_found_and_no_other(case: Case) -> None:
 
 def test_alignment_over_the_field_is_near_the_best_single_planes(case: Case) -> None:
     assert not any(p.weak for p in case.edl.poses)
+    ratios = {}
     for index, pose in enumerate(case.truth.poses):
         solved = case.edl.pose_at(sum(pose.range) // 2)
         for camera in case.truth.cameras[1:]:
             error = alignment_error(case.truth, index, camera, np.array(solved.homographies[camera]))
-            assert error <= 1.5 * best_plane_error(case.truth, index, camera), (index, camera)
+            ratios[index, camera] = error / best_plane_error(case.truth, index, camera)
+    assert max(ratios.values()) <= 1.5, ratios
+    assert np.mean(list(ratios.values())) <= 1.15, ratios
 
 
 def test_the_perspective_survives_the_movements(case: Case) -> None:
@@ -90,7 +93,7 @@ def test_the_chosen_cameras_see_nearly_what_the_best_would(case: Case) -> None:
         : len(visible)
     ]
     seen = visible[np.arange(len(visible)), chosen].sum() / visible.max(axis=1).sum()
-    assert seen >= 0.93
+    assert seen >= 0.96
 
 
 def test_the_clocks_are_found(case: Case) -> None:
