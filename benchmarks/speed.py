@@ -41,6 +41,8 @@ def decode(path):
 threads = [threading.Thread(target=decode, args=(p,)) for p in sys.argv[1:]]
 [t.start() for t in threads]; [t.join() for t in threads]
 """
+# The clips' sound repeats, so that it fits at every 20 s: all of it is heard, and then refused.
+WAY = ("--progress", "none", "analyse", "--sync", "audio")
 ANALYSE = "import sys; from mcsl_core.cli import main; sys.exit(main(sys.argv[1:]))"
 
 
@@ -110,8 +112,10 @@ def main() -> None:
     out = folder / f"{minutes:g}-minutes.edl.json"
     keyframes = run(KEYFRAMES, *files)
     shutil.rmtree(out.with_name(f"{out.stem}.cache"), ignore_errors=True)
-    analysis = run(ANALYSE, "--progress", "none", "analyse", str(source), "-o", str(out))
-    selector = run(ANALYSE, "--progress", "none", "analyse", str(source), "-o", str(out), "--selector", "fixed")
+    print("keyframes", keyframes, flush=True)
+    analysis = run(ANALYSE, *WAY, str(source), "-o", str(out))
+    print("analysis", analysis, flush=True)
+    selector = run(ANALYSE, *WAY, str(source), "-o", str(out), "--selector", "fixed")
     seconds = 60 * minutes
     figures = {
         "keyframes": keyframes,
