@@ -29,6 +29,7 @@ from .timing import FrameRange
 
 Array = NDArray[np.float64]
 Pairs = dict[tuple[str, str], Correspondences]
+STEADY = 6  # levels of 255 that a pixel may be off its median half of the time: noise and breathing, not hands
 
 
 def to_matrix(homography: Array) -> Matrix:
@@ -71,7 +72,7 @@ def solve_pose(
     pose = Pose(
         range=piece,
         homographies={name: to_matrix(h) for name, h in alignment.homographies.items()},
-        colour=_colours(scene, [samples[i].pictures for i in moments]),
+        colour=_colours(scene, [samples[i].pictures for i in views]),
         solved_from=tuple(samples.frames[i] for i in moments),
         residual_px={n: round(v, 3) for n, v in alignment.residual_px.items()},
         support=dict(alignment.support),
@@ -207,14 +208,22 @@ def _voted(scene: Scene, evidence: Mapping[str, Evidence]) -> Mask:
 
 
 def _colours(scene: Scene, moments: Sequence[Mapping[str, NDArray[np.uint8] | None]]) -> dict[str, Colour]:
-    """Each camera's match to the reference camera, from the medians of what both show."""
+    """Each camera's match to the reference camera, from the medians of what both show steadily.
+
+    Where hands and heads come and go the median is nobody's colour; such pixels are left out by their deviation.
+    """
     shown: dict[str, list[NDArray[np.uint8]]] = {}
     inside: dict[str, Mask] = {}
-    for pictures in moments[:: max(1, len(moments) // 5)]:
+    for pictures in moments:
         for view in scene.views(pictures):
             shown.setdefault(view.camera, []).append(view.aligned)
             inside[view.camera] = view.inside
-    medians = {name: np.median(pictures, axis=0).astype(np.uint8) for name, pictures in shown.items()}
+    medians: dict[str, NDArray[np.uint8]] = {}
+    for name, pictures in shown.items():
+        stack = np.stack(pictures)
+        medians[name] = np.median(stack, axis=0).astype(np.uint8)
+        off = np.median(cv2.absdiff(stack, np.broadcast_to(medians[name], stack.shape).copy()), axis=0).max(axis=2)
+        inside[name] = inside[name] & (off <= STEADY)
     if scene.reference not in medians:
         return {}
     target = medians.pop(scene.reference)
