@@ -7,6 +7,9 @@ pixels, the principal point in the middle. A scene that is nearly flat leaves th
 the views inside out, so several focal lengths are tried and the one that leaves the least is taken.
 
 Pixels are full-size with centres at integers; space is the reference camera's own, of arbitrary scale.
+
+pycolmap is imported where it is used, not with the package: its logging library takes over SIGTERM, and every `mcsl`
+process imports its plugins.
 """
 
 from __future__ import annotations

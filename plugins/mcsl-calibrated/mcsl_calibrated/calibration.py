@@ -10,7 +10,6 @@ from typing import Any
 
 import cv2
 import numpy as np
-import pycolmap
 from attrs import evolve, frozen
 
 from .tracks import Array, CalibrationSettings, Tracks
@@ -87,6 +86,8 @@ def calibrate(
 
 
 def _colmap_camera(number: int, size: tuple[int, int], camera: Array) -> Any:
+    import pycolmap  # see the package's docstring
+
     return pycolmap.Camera(
         model="SIMPLE_PINHOLE",
         camera_id=number,
@@ -100,6 +101,8 @@ def _first_pair(
     tracks: Tracks, sizes: Mapping[int, tuple[int, int]], cameras: Mapping[int, Array], settings: CalibrationSettings
 ) -> tuple[tuple[int, int], Array] | None:
     """The two cameras to begin with: the most places times the angle between their rays, and the second one's pose."""
+    import pycolmap  # see the package's docstring
+
     best: tuple[float, tuple[int, int], Array] | None = None
     names = sorted(sizes)
     for i, a in enumerate(names):
@@ -131,6 +134,8 @@ def _next_camera(
     settings: CalibrationSettings,
 ) -> tuple[int, Array | None]:
     """The camera not yet posed that sees most of the known places, and its pose; None where there is none left."""
+    import pycolmap  # see the package's docstring
+
     best: tuple[int, int, Array | None] = (0, -1, None)
     known = np.isfinite(model.places[:, 0])
     for name in sorted(set(sizes) - set(model.poses)):
@@ -205,6 +210,8 @@ def _misfits(model: Calibration, diagonal: Mapping[int, float]) -> Array:
 
 def _adjusted(model: Calibration, sizes: Mapping[int, tuple[int, int]], settings: CalibrationSettings) -> Calibration:
     """Bundle adjustment of poses, places and one focal length for each picture size."""
+    import pycolmap  # see the package's docstring
+
     world = pycolmap.Reconstruction()
     kinds = {size: number + 1 for number, size in enumerate(sorted({sizes[n] for n in model.poses}))}
     for size, number in kinds.items():

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-import pycolmap
 from attrs import evolve, field, frozen
 from numpy.typing import NDArray
 
@@ -61,6 +60,8 @@ class Tracks:
 
 def true_matches(pair: Correspondences, diagonal: float, settings: CalibrationSettings) -> Correspondences | None:
     """The matches that obey one epipolar geometry; None when they are too few to tie two cameras."""
+    import pycolmap  # see the package's docstring
+
     if len(pair) < settings.min_places:
         return None
     options = pycolmap.RANSACOptions(max_error=settings.off_line * diagonal, random_seed=0, max_num_trials=20000)

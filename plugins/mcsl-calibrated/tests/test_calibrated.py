@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from itertools import combinations
 
 import cv2
@@ -159,3 +161,9 @@ def test_it_is_on_offer_under_its_name():
     offer = discover().choose("aligner", "calibrated")
     assert offer.package == "mcsl-calibrated"
     assert isinstance(offer.implementation, calibrated.Calibrated)
+
+
+def test_the_package_leaves_the_process_alone() -> None:
+    """Every `mcsl` process imports its plugins, and pycolmap's logging library takes over SIGTERM when it is loaded."""
+    code = "import mcsl_calibrated, sys; sys.exit('pycolmap' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
