@@ -19,10 +19,11 @@ from math import ceil
 
 from attrs import frozen
 
-from mcsl_core.edl import IDENTITY, Camera, Edl, Pose, offset_at, resolve
+from mcsl_core.decisions import offset_at, placed, resolve
+from mcsl_core.edl import Camera, Edl, Pose
 from mcsl_core.timing import FrameRange, merge_equal
 
-from .similarity import Transform, closest, fitted, multiply
+from .similarity import Transform, closest, fitted
 
 TIMELINE_SCHEMA = "mcsl.timeline/1"
 AUDIO_CHANNEL = 1
@@ -215,17 +216,12 @@ def _without(start: int, stop: int, gaps: Iterable[FrameRange]) -> list[tuple[in
 
 def camera_transform(edl: Edl, camera: Camera, pose: Pose) -> Transform:
     """The strip transform nearest to the camera's way into the programme; a weak camera's picture stands whole."""
-    if not _tied(edl, camera.name, pose):
+    matrix = placed(edl, pose, camera.name)
+    if matrix is None:
         return fitted(camera.size, edl.size)
-    homography = pose.homographies.get(camera.name, IDENTITY)
     dx, dy = offset_at(edl.centering, (pose.range.start + pose.range.stop) / 2)  # centering moves the field to the
     field = complex((edl.size[0] - 1) / 2 - dx, (edl.size[1] - 1) / 2 - dy)  # middle, so it stands that far off it
-    return closest(multiply(pose.anchor, homography), camera.size, edl.size, field)
-
-
-def _tied(edl: Edl, camera: str, pose: Pose) -> bool:
-    """Whether it is known where the camera's picture lies in the programme; the reference camera's always is."""
-    return camera in pose.homographies or camera == edl.reference
+    return closest(matrix, camera.size, edl.size, field)
 
 
 def _programme(edl: Edl, channels: dict[str, int]) -> tuple[ProgrammeStrip, ...]:
@@ -249,15 +245,15 @@ def _programme(edl: Edl, channels: dict[str, int]) -> tuple[ProgrammeStrip, ...]
 
 
 def _offset_keys(edl: Edl) -> tuple[OffsetKey, ...]:
-    """The EDL's keys where centering is on, zero where it is off; where that changes, it changes between two frames.
+    """The EDL's keys where centering is on, what was set by hand, zero where it is off; changes lie between two frames.
 
     Off as well where a weak camera is shown: its picture stands whole, and the field's place in it is not known.
     """
-    if not edl.centering:
+    if not edl.centering and all(override.offset is None for override in edl.overrides):
         return ()
     states = merge_equal(
         [
-            (piece, decision.centering and _tied(edl, decision.camera, pose))
+            (piece, (decision.centering and placed(edl, pose, decision.camera) is not None, decision.offset))
             for stretch, decision in resolve(edl)
             for pose in edl.poses
             if (piece := stretch.intersection(pose.range))
@@ -268,12 +264,13 @@ def _offset_keys(edl: Edl) -> tuple[OffsetKey, ...]:
         dx, dy = offset_at(edl.centering, frame)
         return OffsetKey(frame, dx, 0.0 - dy, hold)
 
-    if len(states) == 1 and states[0][1]:
+    if len(states) == 1 and states[0][1] == (True, None):
         return tuple(key(frame) for frame, _, _ in edl.centering)
     keys: list[OffsetKey] = []
-    for stretch, on in states:
-        if not on:
-            keys.append(OffsetKey(stretch.start, 0.0, 0.0, hold=True))
+    for stretch, (on, by_hand) in states:
+        if not on or by_hand is not None:
+            dx, dy = by_hand if on and by_hand is not None else (0.0, 0.0)
+            keys.append(OffsetKey(stretch.start, dx, 0.0 - dy, hold=True))
             continue
         inner = [frame for frame, _, _ in edl.centering if stretch.start < frame < stretch.stop - 1]
         keys.extend(key(frame) for frame in [stretch.start, *inner])

@@ -26,7 +26,7 @@ from mcsl_core.timing import FrameRange
 
 from .plan import automatic_cameras
 
-FIELDS = ("camera", "centering", "fill", "colour")
+FIELDS = ("camera", "centering", "fill", "colour", "offset")
 READ = ("camera", "centering", "fill")  # what a Programme strip can say
 
 

@@ -30,12 +30,6 @@ class Transform:
     rotation: float
 
 
-def multiply(a: Matrix, b: Matrix) -> Matrix:
-    """The matrix product a @ b."""
-    rows = [tuple(sum(a[i][k] * b[k][j] for k in range(3)) for j in range(3)) for i in range(3)]
-    return rows[0], rows[1], rows[2]  # pyright: ignore[reportReturnType]
-
-
 def invert(m: Matrix) -> Matrix:
     """The inverse, by cofactors; ZeroDivisionError when singular (the EDL refuses such matrices)."""
     (a, b, c), (d, e, f), (g, h, i) = m

@@ -19,6 +19,7 @@ from . import __version__, edl
 from .anchoring import anchor
 from .centering import FieldPlace, field_middle
 from .cutting import moved_to, refine_cuts, select_shots
+from .decisions import carry_over
 from .errors import InputError, UsageError
 from .evidence import SolvedPose, SolveSettings
 from .footage import Footage
@@ -113,7 +114,7 @@ def analyse(
         ),
     )
     if before is not None:
-        made = edl.carry_over(before, made)
+        made = carry_over(before, made)
     table.save(scores_path)
     edl.save(made, out)
     return made

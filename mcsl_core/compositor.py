@@ -17,7 +17,8 @@ from attrs import field, frozen
 from numpy.typing import NDArray
 
 from .colour import apply
-from .edl import Decision, Edl, Look, Pose, offset_at, resolve
+from .decisions import Decision, fitted, placed, resolve, shift_at
+from .edl import Edl, Look, Pose
 from .filling import Filler, FootprintFiller, Rect
 from .footage import Footage, Player
 from .images import BLACK, U8, Planes, black
@@ -36,23 +37,16 @@ def translation(dx: float, dy: float) -> Matrix:
     return np.array([[1.0, 0, dx], [0, 1.0, dy], [0, 0, 1]])
 
 
-def scaled_identity(size: tuple[int, int], to: tuple[int, int]) -> Matrix:
-    """Fits a picture of ``size`` (width, height) into one of size ``to``, edge on edge."""
-    x, y = to[0] / size[0], to[1] / size[1]
-    return np.array([[x, 0, (x - 1) / 2], [0, y, (y - 1) / 2], [0, 0, 1]])
-
-
 def programme_matrix(edl: Edl, pose: Pose, camera: str, offset: tuple[float, float] = (0.0, 0.0)) -> Matrix:
     """Camera pixel -> programme pixel in ``pose``, shifted by the centering ``offset`` in programme pixels.
 
     A camera that the pose has no homography for (a weak one an editor chose) fills the frame as it is: where its
     picture lies is not known, so neither the anchor nor the centering means anything for it.
     """
-    known = pose.homographies.get(camera)
-    if known is None and camera != edl.reference:
-        return scaled_identity(edl.camera(camera).size, edl.size)
-    homography = np.eye(3) if known is None else np.array(known, np.float64)
-    matrix = translation(*offset) @ np.array(pose.anchor, np.float64) @ homography
+    known = placed(edl, pose, camera)
+    if known is None:
+        return np.array(fitted(edl.camera(camera).size, edl.size))
+    matrix = translation(*offset) @ np.array(known, np.float64)
     return matrix / matrix[2, 2]
 
 
@@ -175,15 +169,15 @@ class Compositor:
             planes = self.picture(camera, frame)
         if planes is None:
             return black(edl.size)
-        offset = offset_at(edl.centering, frame) if decision.centering else (0.0, 0.0)
+        offset = shift_at(edl, decision, frame)
         match = pose.colour.get(camera) if decision.colour else None
         if match is not None:
             planes = apply(planes, match)
         whole = Rect(0, 0, *edl.size)
         front = warp_planes(planes, programme_matrix(edl, pose, camera, offset), whole)
-        if not decision.fill or (camera != edl.reference and camera not in pose.homographies):
+        known = [c.name for c in edl.cameras if placed(edl, pose, c.name) is not None]
+        if not decision.fill or camera not in known:
             return front
-        known = [c.name for c in edl.cameras if c.name in pose.homographies or c.name == edl.reference]
         others = sorted((name for name in known if name != camera), key=lambda name: name != edl.reference)
         grid = (round(offset[0] / _GRID), round(offset[1] / _GRID))
         geometry = (number, camera, grid)

@@ -26,8 +26,9 @@ from attrs import frozen
 
 from . import compositor as compositing
 from .compositor import Compositor
+from .decisions import offset_at, placed, resolve
 from .documents import canonical_json
-from .edl import Camera, Edl, offset_at, resolve
+from .edl import Camera, Edl
 from .errors import Cancelled, UsageError
 from .filling import Filler, FootprintFiller
 from .footage import Footage
@@ -127,13 +128,18 @@ def plan(edl: Edl, base: Path, *, filler: Filler | None = None, encoding: Encodi
                 part = part and part.intersection(pose.range)
                 if part is None:
                     continue
-                cameras = set(pose.homographies) if decision.fill else set()
-                cameras |= {decision.camera, edl.reference}
+                cameras = {decision.camera, edl.reference}
+                if decision.fill:
+                    cameras |= {c.name for c in edl.cameras if placed(edl, pose, c.name) is not None}
                 facts = {
-                    "decision": [decision.camera, decision.centering, decision.fill, decision.colour],
+                    "decision": [
+                        decision.camera,
+                        decision.offset if decision.centering and decision.offset else decision.centering,
+                        decision.fill,
+                        decision.colour,
+                    ],
                     "sources": [source(camera.name) for camera in edl.cameras if camera.name in cameras],
-                    "anchor": pose.anchor,
-                    "homographies": {n: pose.homographies.get(n) for n in sorted(cameras)},
+                    "placed": {n: placed(edl, pose, n) for n in sorted(cameras)},
                 }
                 if decision.colour:
                     facts["colour"] = {n: pose.colour[n].matrix for n in sorted(cameras) if n in pose.colour}
@@ -146,7 +152,7 @@ def plan(edl: Edl, base: Path, *, filler: Filler | None = None, encoding: Encodi
                 "range": [piece.start, piece.stop],
                 # merged, since it does not matter whether an editor or the analysis chose what is shown
                 "parts": [
-                    [part.start, part.stop, facts, _offsets(edl, part) if facts["decision"][1] else None]
+                    [part.start, part.stop, facts, _offsets(edl, part) if facts["decision"][1] is True else None]
                     for part, facts in merge_equal(parts)
                 ],
             }

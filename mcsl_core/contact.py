@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .compositor import Compositor
+from .decisions import resolve
 from .documents import write_atomic
-from .edl import Edl, resolve
+from .edl import Edl
 from .footage import Footage
 from .images import planes_to_bgr
 from .timing import FrameRange, format_time

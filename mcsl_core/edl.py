@@ -6,15 +6,14 @@ homographies are 3x3 row-major, scaled so that the last element is 1, and act on
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import attrs
 from attrs import field, frozen
+from attrs.validators import optional
 
 from .documents import (
     Bounds,
@@ -29,7 +28,7 @@ from .documents import (
     write_atomic,
 )
 from .errors import DocumentError, Fault
-from .timing import FrameRange, check_tiles, cut_points, merge_equal
+from .timing import FrameRange, check_tiles
 
 SCHEMA = "mcsl.edl/1"
 
@@ -192,7 +191,25 @@ class Override:
     centering: bool | None = field(default=None, metadata=doc("centering on or off", optional=True))
     fill: bool | None = field(default=None, metadata=doc("fill on or off", optional=True))
     colour: bool | None = field(default=None, metadata=doc("colour matching on or off", optional=True))
+    offset: tuple[float, float] | None = field(
+        default=None,
+        validator=optional(Bounds()),
+        metadata=doc("[dx, dy] in programme pixels, by hand, in place of the automatic centering", optional=True),
+    )
     note: str = field(default="", metadata=doc("the editor's remark", optional=True))
+
+
+@frozen
+class Correction:
+    """An editor's correction of where a camera's picture lies; it holds in the poses of which it covers most."""
+
+    range: FrameRange = field(metadata=doc("where it holds"))
+    camera: str = field(metadata=doc("camera name"))
+    matrix: Matrix = field(metadata=doc("programme pixel -> programme pixel, after homography and anchor"))
+    note: str = field(default="", metadata=doc("the editor's remark", optional=True))
+
+    def __attrs_post_init__(self) -> None:
+        _check_matrix(self.matrix, ".matrix")
 
 
 @frozen
@@ -236,6 +253,10 @@ class Edl:
     )
     shots: tuple[Shot, ...] = field(metadata=doc("the automatic decisions"))
     overrides: tuple[Override, ...] = field(default=(), metadata=doc("the editor's decisions; analysis keeps them"))
+    corrections: tuple[Correction, ...] = field(
+        default=(),
+        metadata=doc("alignment corrected by hand; analysis keeps it; of two, the later in the list", optional=True),
+    )
     look: Look = field(factory=Look, metadata=doc("visual aids for the whole programme"))
     centering: tuple[CenteringKey, ...] = field(
         default=(),
@@ -248,7 +269,7 @@ class Edl:
         self._check_cameras()
         self._check_movements()
         self._check_poses()
-        self._check_shots_and_overrides()
+        self._check_decisions()
         last = -1
         for index, (frame, dx, dy) in enumerate(self.centering):
             at = f".centering[{index}]"
@@ -285,7 +306,7 @@ class Edl:
             _require(own is not None, "the reference camera has no homography; it is the identity", place)
             _require(own == IDENTITY, "the reference camera's own homography must be the identity", place)
 
-    def _check_shots_and_overrides(self) -> None:
+    def _check_decisions(self) -> None:
         check_tiles((s.range for s in self.shots), self.frames, "shots")
         self._check_names((f".shots[{i}].camera", s.camera) for i, s in enumerate(self.shots))
         for index, override in enumerate(self.overrides):
@@ -293,6 +314,10 @@ class Edl:
             if override.camera is not None:
                 self._check_names([(f"{at}.camera", override.camera)])
             self._check_inside(override.range, f"{at}.range")
+        for index, correction in enumerate(self.corrections):
+            at = f".corrections[{index}]"
+            self._check_names([(f"{at}.camera", correction.camera)])
+            self._check_inside(correction.range, f"{at}.range")
 
     def _check_names(self, uses: Iterable[tuple[str, str]]) -> None:
         names = [c.name for c in self.cameras]
@@ -322,86 +347,6 @@ class Edl:
             if frame in pose.range:
                 return pose
         raise IndexError(f"frame {frame} is outside [0, {self.frames})")
-
-
-@frozen
-class Decision:
-    """What the viewer gets over a stretch, after the overrides."""
-
-    camera: str
-    centering: bool
-    fill: bool
-    colour: bool
-    overridden: bool
-
-
-def resolve(edl: Edl) -> tuple[tuple[FrameRange, Decision], ...]:
-    """The effective shots and looks: the analysis below, overrides on top. The ranges tile [0, frames).
-
-    Neighbours with the same decision are one stretch. Cost grows with shots plus overrides, times the overrides
-    that hold at one moment.
-    """
-    points = cut_points(edl.frames, [s.range for s in edl.shots] + [o.range for o in edl.overrides])
-    pieces: list[tuple[FrameRange, Decision]] = []
-    shots = iter(edl.shots)
-    shot = next(shots)
-    beginning: dict[int, list[int]] = {}
-    for index, override in enumerate(edl.overrides):
-        beginning.setdefault(override.range.start, []).append(index)
-    holding: list[int] = []  # indices of the overrides that hold, in the list's order
-    for start, stop in pairwise(points):
-        while start not in shot.range:
-            shot = next(shots)
-        holding = sorted([i for i in holding if start in edl.overrides[i].range] + beginning.get(start, []))
-        decision = Decision(shot.camera, edl.look.centering, edl.look.fill, edl.look.colour, overridden=False)
-        for override in (edl.overrides[i] for i in holding):
-            given = {
-                name: value
-                for name in ("camera", "centering", "fill", "colour")
-                if (value := getattr(override, name)) is not None
-            }
-            decision = attrs.evolve(decision, **given, overridden=decision.overridden or bool(given))
-        pieces.append((FrameRange(start, stop), decision))
-    return tuple(merge_equal(pieces))
-
-
-def offset_at(keys: tuple[CenteringKey, ...], frame: float) -> tuple[float, float]:
-    """Centering offset (dx, dy) in programme pixels at ``frame``: linear between keys, held outside, 0 without keys."""
-    if not keys:
-        return 0.0, 0.0
-    after = bisect_right(keys, frame, key=lambda k: k[0])
-    if after in (0, len(keys)):
-        _, x, y = keys[0 if after == 0 else -1]
-        return x, y
-    (f0, x0, y0), (f1, x1, y1) = keys[after - 1], keys[after]
-    part = (frame - f0) / (f1 - f0)
-    return x0 + part * (x1 - x0), y0 + part * (y1 - y0)
-
-
-def carry_over(old: Edl, new: Edl) -> Edl:
-    """``new`` (a fresh analysis) with the editor's decisions of ``old``: overrides and look. Nothing is lost.
-
-    Raises DocumentError where that cannot be: the rate is another (the same frame numbers would be other moments),
-    an override names a camera that is gone, or one reaches past the new end.
-    """
-    names = {c.name for c in new.cameras}
-    if old.overrides and old.rate != new.rate:
-        raise DocumentError(
-            f"the overrides count frames at {old.rate} per second, the new analysis at {new.rate}",
-            remedy=f"Analyse with --rate {old.rate}, or remove the overrides from the old EDL",
-        )
-    for index, override in enumerate(old.overrides):
-        if override.camera is not None and override.camera not in names:
-            raise DocumentError(
-                f"overrides[{index}] takes camera {override.camera!r}, which the new analysis has not",
-                remedy="Name the cameras as before, or remove the override from the old EDL",
-            )
-        if override.range.stop > new.frames:
-            raise DocumentError(
-                f"overrides[{index}] ends at frame {override.range.stop}, after the new end {new.frames}",
-                remedy="Analyse the whole recording, or shorten the override in the old EDL",
-            )
-    return attrs.evolve(new, overrides=old.overrides, look=old.look)
 
 
 # ------------------------------------------------------------------------------------------ reading and writing

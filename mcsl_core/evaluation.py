@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 from .compositor import Compositor, programme_matrix
 from .coverage import Coverage, has_picture
-from .edl import IDENTITY, Decision, Edl, Look, offset_at, resolve
+from .decisions import Decision, offset_at, placed, resolve
+from .edl import IDENTITY, Edl, Look
 from .edl import load as load_edl
 from .errors import UsageError
 from .figures import FIELD, Conditions, Evaluation, Measured, Pair, Steadiness, Switch
@@ -41,7 +42,7 @@ def without_alignment(edl: Edl) -> Edl:
     poses = tuple(
         attrs.evolve(p, homographies=dict.fromkeys(names, IDENTITY), anchor=IDENTITY, weak=()) for p in edl.poses
     )
-    return attrs.evolve(edl, poses=poses, look=Look(centering=False, fill=False, colour=False))
+    return attrs.evolve(edl, poses=poses, corrections=(), look=Look(centering=False, fill=False, colour=False))
 
 
 def interframe_fidelity(pictures: Iterable[NDArray[np.uint8]], *, ceiling_db: float = 60.0) -> float:
@@ -265,7 +266,7 @@ class _Followed:
         """The tracks that begin about the field, as the EDL's own alignment places them: again the same for all."""
         frame, camera = self.before.frame, self.before.camera
         pose, middle = self._edl.pose_at(frame), self.field_at(frame)
-        if middle is None or (camera not in pose.homographies and camera != self._edl.reference):
+        if middle is None or placed(self._edl, pose, camera) is None:
             return NO_TRACKS
         start = carried(programme_matrix(self._edl, pose, camera), self.tracks.before)
         near = np.linalg.norm(start - middle, axis=1) < FIELD * self._edl.size[0]

@@ -19,8 +19,9 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import ArrayLike, NDArray
 
+from .decisions import resolve
 from .documents import make_converter, read_json, structure_document
-from .edl import IDENTITY, Edl, Matrix, Pose, Weak, resolve
+from .edl import IDENTITY, Edl, Matrix, Pose, Weak
 from .errors import DocumentError, Fault, InputError
 
 FITS = ("similarity", "homography")
@@ -211,7 +212,8 @@ def aligned_by_hand(edl: Edl, by_hand: ByHand) -> Edl:
                     where=f"pose {index}",
                     remedy="Add its point pairs (docs/evaluation.md)",
                 )
-    return attrs.evolve(edl, poses=tuple(_by_hand(edl, pose, by_hand.get(i, {})) for i, pose in enumerate(edl.poses)))
+    poses = tuple(_by_hand(edl, pose, by_hand.get(i, {})) for i, pose in enumerate(edl.poses))
+    return attrs.evolve(edl, poses=poses, corrections=())
 
 
 def _by_hand(edl: Edl, pose: Pose, matrices: Mapping[str, Matrix]) -> Pose:

@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .compositor import scaled_identity
+from .decisions import fitted
 from .edl import IDENTITY, Edl, Matrix, Pose
 from .filling import Filler, FootprintFiller
 from .footage import Footage, Player
@@ -27,8 +27,8 @@ def reduced(edl: Edl, size: tuple[int, int]) -> Edl:
     """The same programme at ``size``, its cameras reduced as much, so that pictures of it are made at that size."""
     factor = size[0] / edl.size[0]
     cameras = tuple(attrs.evolve(c, size=reduced_size(c.size, round(c.size[0] * factor))) for c in edl.cameras)
-    shrink = {c.name: scaled_identity(c.size, r.size) for c, r in zip(edl.cameras, cameras, strict=True)}
-    ground, programme = shrink[edl.reference], scaled_identity(edl.size, size)
+    shrink = {c.name: np.array(fitted(c.size, r.size)) for c, r in zip(edl.cameras, cameras, strict=True)}
+    ground, programme = shrink[edl.reference], np.array(fitted(edl.size, size))
 
     def pose_at_size(pose: Pose) -> Pose:
         return attrs.evolve(
@@ -41,11 +41,20 @@ def reduced(edl: Edl, size: tuple[int, int]) -> Edl:
         )
 
     x, y = size[0] / edl.size[0], size[1] / edl.size[1]
+    corrections = tuple(
+        attrs.evolve(c, matrix=_rows(programme @ np.array(c.matrix) @ np.linalg.inv(programme)))
+        for c in edl.corrections
+    )
+    overrides = tuple(
+        o if o.offset is None else attrs.evolve(o, offset=(o.offset[0] * x, o.offset[1] * y)) for o in edl.overrides
+    )
     return attrs.evolve(
         edl,
         size=size,
         cameras=cameras,
         poses=tuple(pose_at_size(p) for p in edl.poses),
+        corrections=corrections,
+        overrides=overrides,
         centering=tuple((frame, dx * x, dy * y) for frame, dx, dy in edl.centering),
     )
 

@@ -15,6 +15,7 @@ from mcsl_core.edl import (
     CenteringKey,
     Clock,
     Colour,
+    Correction,
     Edl,
     Look,
     MadeBy,
@@ -94,7 +95,14 @@ def overrides(frames: int, cameras: Sequence[str]) -> SearchStrategy[Override]:
         centering=maybe,
         fill=maybe,
         colour=maybe,
+        offset=st.none() | st.tuples(numbers(-500, 500), numbers(-500, 500)),
         note=texts,
+    )
+
+
+def corrections(frames: int, cameras: Sequence[str]) -> SearchStrategy[Correction]:
+    return st.builds(
+        Correction, range=ranges(frames), camera=st.sampled_from(cameras), matrix=homographies(), note=texts
     )
 
 
@@ -166,6 +174,7 @@ def edls(draw: DrawFn, max_frames: int = 300) -> Edl:
         poses=tuple(draw(poses(r, frames, known, reference)) for r in draw(tilings(frames, 3))),
         shots=tuple(Shot(r, *draw(shot)) for r in draw(tilings(frames))),
         overrides=tuple(draw(st.lists(overrides(frames, known), max_size=4))),
+        corrections=tuple(draw(st.lists(corrections(frames, known), max_size=2))),
         look=Look(*draw(st.tuples(st.booleans(), st.booleans(), st.booleans()))),
         centering=draw(centering_keys(frames)),
         scores=draw(st.none() | names),

@@ -7,7 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 from attrs import frozen
 
-from ..edl import Camera, Decision, Edl, Pose, resolve
+from ..decisions import Decision, resolve
+from ..edl import Camera, Edl, Pose
 from ..scores import ScoreTable
 from ..timing import FrameRange
 from .charts import Bar, Tick, bar, binned, bounds, line, number, place, short_time, time_ticks

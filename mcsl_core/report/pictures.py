@@ -15,9 +15,10 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
-from ..compositor import Compositor, programme_matrix, scaled_identity
+from ..compositor import Compositor, programme_matrix
 from ..coverage import Coverage
-from ..edl import Edl, Pose, resolve
+from ..decisions import fitted, placed, resolve
+from ..edl import Edl, Pose
 from ..footage import Footage
 from ..images import planes_to_bgr
 from ..progress import Progress
@@ -90,8 +91,8 @@ def _of_pose(
     compositor: Compositor,
     coverage: Coverage,
 ) -> PosePictures:
-    plain = {name: scaled_identity((p.shape[1], p.shape[0]), edl.size) for name, p in pictures.items()}
-    tied = [name for name in pictures if name in pose.homographies or name == edl.reference]
+    plain = {name: np.array(fitted((p.shape[1], p.shape[0]), edl.size)) for name, p in pictures.items()}
+    tied = [name for name in pictures if placed(edl, pose, name) is not None]
     aligned = {name: programme_matrix(edl, pose, name) for name in tied}
     camera = next(decision.camera for piece, decision in resolve(edl) if frame in piece)
     shares = {name: float(share.mean()) for name, share in coverage.shares(frame).items()}

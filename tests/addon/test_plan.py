@@ -19,8 +19,9 @@ from blender_addon.plan import (
     first_frame,
     make_plan,
 )
-from blender_addon.similarity import Transform, closest, fitted, invert, multiply, project
-from mcsl_core.edl import IDENTITY, Camera, Clock, Media, Movement, Override, Pose, Shot, Weak, resolve
+from blender_addon.similarity import Transform, closest, fitted, invert, project
+from mcsl_core.decisions import multiply, resolve
+from mcsl_core.edl import IDENTITY, Camera, Clock, Media, Movement, Override, Pose, Shot, Weak
 from mcsl_core.timing import FrameRange, check_tiles
 
 R = FrameRange

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from blender_addon.plan import make_plan
 from blender_addon.readback import FoundStrip, SequencerState, read_overrides
-from mcsl_core.edl import Edl, Look, Override, Shot, dumps, resolve
+from mcsl_core.decisions import resolve
+from mcsl_core.edl import Edl, Look, Override, Shot, dumps
 from mcsl_core.errors import InputError
 from mcsl_core.timing import FrameRange
 
@@ -203,6 +204,7 @@ def edls(draw) -> Edl:
                 switch,
                 switch,
                 switch,
+                st.none() | st.just((5.0, -2.0)),
                 st.sampled_from(("", "n")),
             ),
             max_size=4,
@@ -281,7 +283,7 @@ def test_edits_come_back_exactly(data):
         for name in ("centering", "fill"):
             shown = None if strip is None else getattr(strip, name)
             assert getattr(after[frame], name) == (getattr(before[frame], name) if shown is None else shown)
-        assert after[frame].colour == before[frame].colour
+        assert (after[frame].colour, after[frame].offset) == (before[frame].colour, before[frame].offset)
     same = [s for s in range(FRAMES) if seen(state, s) is not None and after[s] == before[s]]
     for override in edl.overrides:  # what the timeline still shows stays as it was
         if all(frame in same for frame in override.range):

@@ -7,6 +7,7 @@ import pytest
 from conftest import FRAMES, R, in_blender
 
 from mcsl_core import edl as edls
+from mcsl_core.decisions import carry_over
 from mcsl_core.edl import Override, Shot
 from mcsl_core.errors import InputError
 from mcsl_core.timeline import build, pull
@@ -126,7 +127,7 @@ def test_analysing_again_keeps_the_decisions_and_an_old_timeline_adds_no_others(
     path = built.parent / "edl.json"
     old = pull(built, blender=blender)
     again = attrs.evolve(old, shots=(Shot(R(0, 33), "cam2"), Shot(R(33, FRAMES), "cam1")), overrides=())
-    edls.save(edls.carry_over(old, again), path)
+    edls.save(carry_over(old, again), path)
     assert pull(built, blender=blender).overrides == old.overrides
     build(path, built, blender=blender)
     assert pull(built, blender=blender).overrides == old.overrides

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from mcsl_core.colour import as_matrix
-from mcsl_core.compositor import Compositor, programme_matrix, scaled_identity, warp_planes
+from mcsl_core.compositor import Compositor, programme_matrix, warp_planes
+from mcsl_core.decisions import fitted
 from mcsl_core.edl import Camera, Edl, Look, Media, Override, Pose, Shot, Weak
 from mcsl_core.filling import Rect, ReferenceFiller
 from mcsl_core.footage import Footage
@@ -177,7 +178,7 @@ def test_a_weak_camera_an_editor_chose_fills_the_frame(tmp_path):
     planes = compose(edl, tmp_path)[0]
     expected = cv2.resize(bgr_to_planes(small).y, SIZE, interpolation=cv2.INTER_LINEAR)
     assert psnr(planes.y[4:-4, 4:-4], expected[4:-4, 4:-4]) > 40
-    corners = scaled_identity((96, 64), SIZE) @ np.array([[-0.5, 95.5], [-0.5, 63.5], [1, 1]])
+    corners = np.array(fitted((96, 64), SIZE)) @ np.array([[-0.5, 95.5], [-0.5, 63.5], [1, 1]])
     assert corners[:2].T.tolist() == [[-0.5, -0.5], [191.5, 127.5]]
 
 

@@ -14,24 +14,22 @@ from hypothesis import strategies as st
 from strategies import centering_keys, decided_edls, edls
 
 from mcsl_core import edl as edl_module
+from mcsl_core.decisions import Decision, carry_over, fitted, multiply, offset_at, placed, resolve, shift_at
 from mcsl_core.edl import (
     IDENTITY,
     SCHEMA,
     Camera,
     Clock,
-    Decision,
+    Correction,
     Edl,
     Media,
     Override,
     Pose,
     Shot,
-    carry_over,
     dumps,
     from_json,
     load,
     loads,
-    offset_at,
-    resolve,
     save,
     to_json,
 )
@@ -205,13 +203,13 @@ def test_a_missing_file_is_named(tmp_path):
 # --------------------------------------------------------------------------------------------------- resolve
 
 
-def decide_frame_by_frame(edl: Edl) -> list[tuple[str, bool, bool, bool, bool]]:
+def decide_frame_by_frame(edl: Edl) -> list[tuple]:
     """The oracle: paints the overrides over the automatic decisions, one after another, frame by frame."""
     camera = [next(s.camera for s in edl.shots if s.range.start <= f < s.range.stop) for f in range(edl.frames)]
-    rows = [[c, edl.look.centering, edl.look.fill, edl.look.colour, False] for c in camera]
+    rows = [[c, edl.look.centering, edl.look.fill, edl.look.colour, False, None] for c in camera]
     for o in edl.overrides:
         for f in range(o.range.start, o.range.stop):
-            for column, value in enumerate([o.camera, o.centering, o.fill, o.colour]):
+            for column, value in [*enumerate([o.camera, o.centering, o.fill, o.colour]), (5, o.offset)]:
                 if value is not None:
                     rows[f][column] = value
                     rows[f][4] = True
@@ -236,9 +234,9 @@ def test_an_override_put_last_always_wins(edl, data):
     stop = data.draw(st.integers(start + 1, edl.frames))
     camera = data.draw(st.sampled_from([c.name for c in edl.cameras]))
     centering, fill, colour = (data.draw(st.booleans()) for _ in range(3))
-    last = Override(R(start, stop), camera=camera, centering=centering, fill=fill, colour=colour)
+    last = Override(R(start, stop), camera=camera, centering=centering, fill=fill, colour=colour, offset=(2.0, -1.0))
     decided = frame_by_frame(resolve(attrs.evolve(edl, overrides=(*edl.overrides, last))))
-    assert set(decided[start:stop]) == {(camera, centering, fill, colour, True)}
+    assert set(decided[start:stop]) == {(camera, centering, fill, colour, True, (2.0, -1.0))}
     before = frame_by_frame(resolve(edl))
     assert decided[:start] == before[:start]
     assert decided[stop:] == before[stop:]
@@ -325,6 +323,43 @@ def test_analysing_again_keeps_overrides_and_look():
     fresh = small(shots=(Shot(R(0, 100), "cam2"),))
     kept = carry_over(old, fresh)
     assert (kept.overrides, kept.look, kept.shots) == (decisions, old.look, fresh.shots)
+    nudged = Correction(R(0, 100), "cam2", ((1.0, 0.0, 3.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
+    assert carry_over(small(corrections=(nudged,)), fresh).corrections == (nudged,)
+
+
+# ------------------------------------------------------------------------------------------- placed by hand
+
+
+def shifted(dx: float, dy: float) -> edl_module.Matrix:
+    return (1.0, 0.0, dx), (0.0, 1.0, dy), (0.0, 0.0, 1.0)
+
+
+def test_a_correction_comes_after_anchor_and_homography_in_the_poses_it_covers_most_of():
+    h = ((0.5, 0.1, 10.0), (-0.1, 0.5, 20.0), (1e-4, 0.0, 1.0))
+    turned = ((0.0, -1.0, 100.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+    both = {"cam1": IDENTITY, "cam2": h}
+    poses = (Pose(R(0, 50), both, anchor=turned), Pose(R(50, 100), both))
+    by_hand = (Correction(R(0, 40), "cam2", shifted(9, 9)), Correction(R(0, 51), "cam2", shifted(3, -2)))
+    edl = small(poses=poses, corrections=by_hand)
+    assert placed(edl, poses[0], "cam2") == multiply(shifted(3, -2), multiply(turned, h)), "of two, the later"
+    assert placed(edl, poses[1], "cam2") == multiply(IDENTITY, h), "one frame of fifty is not most of it"
+    assert placed(edl, poses[0], "cam1") == multiply(turned, IDENTITY)
+
+
+def test_a_weak_camera_is_nowhere_until_someone_places_it():
+    pose = Pose(R(0, 100), {"cam1": IDENTITY}, weak=(edl_module.Weak("cam2", "dark"),))
+    assert placed(small(poses=(pose,)), pose, "cam2") is None
+    edl = small(poses=(pose,), size=(640, 360), corrections=(Correction(R(0, 100), "cam2", shifted(5, 0)),))
+    assert placed(edl, pose, "cam2") == multiply(shifted(5, 0), fitted((320, 180), (640, 360)))
+
+
+def test_a_centre_set_by_hand_stands_in_place_of_the_automatic_one():
+    edl = small(centering=((0, 4.0, 8.0),), overrides=(Override(R(10, 20), offset=(-6.0, 1.5)),))
+    shifts = {at: shift_at(edl, decision, at) for piece, decision in resolve(edl) for at in piece}
+    assert shifts[5] == (4.0, 8.0)
+    assert shifts[15] == (-6.0, 1.5)
+    off = small(centering=((0, 4.0, 8.0),), overrides=(Override(R(0, 100), offset=(1.0, 1.0), centering=False),))
+    assert shift_at(off, resolve(off)[0][1], 50) == (0.0, 0.0), "off is off"
 
 
 def test_an_override_that_fits_no_more_is_refused_and_named():

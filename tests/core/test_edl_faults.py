@@ -134,6 +134,7 @@ REQUIRED = {
     ("poses", "weak"): {"camera", "reason"},
     ("shots",): {"range", "camera"},
     ("overrides",): {"range"},
+    ("corrections",): {"range", "camera", "matrix"},
     ("made_by",): {"mcsl"},
 }
 

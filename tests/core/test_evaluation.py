@@ -19,7 +19,8 @@ from mcsl_core import figures
 from mcsl_core.compositor import Compositor
 from mcsl_core.conform import programme_frames
 from mcsl_core.coverage import Coverage
-from mcsl_core.edl import IDENTITY, Camera, Colour, Edl, Look, Media, Override, Pose, Shot, resolve
+from mcsl_core.decisions import resolve
+from mcsl_core.edl import IDENTITY, Camera, Colour, Edl, Look, Media, Override, Pose, Shot
 from mcsl_core.errors import InputError, UsageError
 from mcsl_core.evaluation import Variant, evaluate, interframe_fidelity, standard_variants, without_alignment
 from mcsl_core.filling import FootprintFiller, ReferenceFiller

@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 
 # What each floor may hold is told in docs/architecture.md. Imports run to lower floors or within the same one.
 FLOORS: dict[int, set[str]] = {
-    0: {"errors", "timing", "progress", "documents", "edl"},
+    0: {"errors", "timing", "progress", "documents", "edl", "decisions"},
     1: {
         *("images", "media", "video", "playhead", "sampling", "sound", "recording", "footage"),  # reading
         *("samples", "scene", "scores"),  # values that pass between stages

@@ -19,7 +19,8 @@ from strategies import edls
 
 from mcsl_core import edl as document
 from mcsl_core.analysis import AnalysisSettings, analyse
-from mcsl_core.edl import Camera, Edl, Override, Weak, resolve
+from mcsl_core.decisions import resolve
+from mcsl_core.edl import Camera, Edl, Override, Weak
 from mcsl_core.errors import InputError
 from mcsl_core.evaluation import evaluate
 from mcsl_core.figures import to_json

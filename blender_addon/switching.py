@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a press of a camera's key does, and which strips bear the colour of an override. No bpy.
+
+The shot at the playhead is the topmost unmuted Multicam strip there, whether or not it is selected: the one that
+decides. So a key works while the programme plays, as Blender's own multicam keys do with the active strip.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterable
+
+from attrs import frozen
+
+from mcsl_core.decisions import resolve
+from mcsl_core.edl import Edl
+from mcsl_core.errors import InputError
+
+from .readback import FoundStrip, SequencerState, read_edl
+
+
+@frozen
+class Switch:
+    """Show channel ``source`` in the strip ``name``: the part from ``split`` on, or all of it (None)."""
+
+    name: str
+    source: int
+    split: int | None
+
+
+def deciding(strips: Iterable[FoundStrip], frame: int) -> FoundStrip | None:
+    """The strip that decides at a programme frame, or None where the automatic choice holds."""
+    there = [s for s in strips if not s.muted and s.start <= frame < s.stop]
+    return max(there, key=lambda s: s.channel, default=None)
+
+
+def switch(state: SequencerState, frame: int, camera: str, *, whole: bool = False) -> Switch | None:
+    """What to do for ``camera`` to be shown from ``frame`` to the end of the shot there, or in ``whole`` of it.
+
+    None where it is shown already. InputError where there is no shot, or the camera has no strip to be shown from.
+    """
+    strip = deciding(state.strips, frame)
+    if strip is None:
+        raise InputError(
+            "no shot at the playhead", remedy="Add a Multicam strip there, or build the Programme anew from the EDL"
+        )
+    source = _channel_of(state, camera, frame)
+    if source >= strip.channel:
+        raise InputError(
+            f"{camera} lies on channel {source}, above the shot's own {strip.channel}",
+            where=f"strip {strip.name!r}",
+            remedy="Move the cameras below the Programme channel",
+        )
+    if strip.source == source:
+        return None
+    return Switch(strip.name, source, None if whole or frame == strip.start else frame)
+
+
+def _channel_of(state: SequencerState, camera: str, frame: int) -> int:
+    """The channel of the camera's strip at ``frame``, else of its nearest: a camera may pause."""
+    own = [c for c in state.cameras if c.camera == camera]
+    if not own:
+        raise InputError(f"{camera} has no strip in this timeline", remedy="Build the timeline again")
+    return min(own, key=lambda c: max(c.start - frame, frame - c.stop + 1, 0)).channel
+
+
+def overridden(edl: Edl, state: SequencerState) -> frozenset[str]:
+    """The names of the strips over which an override holds, as pulling would write it now.
+
+    Raises what pulling would: InputError naming the strip and frame that cannot be read.
+    """
+    decisions = resolve(read_edl(edl, state))
+    starts = [piece.start for piece, _ in decisions]
+    names = []
+    for strip in state.strips:
+        first = max(bisect_right(starts, strip.start) - 1, 0)
+        last = bisect_right(starts, strip.stop - 1)
+        if not strip.muted and any(decision.overridden for _, decision in decisions[first:last]):
+            names.append(strip.name)
+    return frozenset(names)

@@ -1,0 +1,146 @@
+"""What holds after the editor's decisions: the EDL's analysis below, overrides and corrections on top.
+
+Conventions as in `edl`: half-open frame ranges, pixel centres at integers, row-major 3x3 matrices.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from itertools import pairwise
+
+import attrs
+from attrs import frozen
+
+from .edl import CenteringKey, Edl, Matrix, Pose
+from .errors import DocumentError
+from .timing import FrameRange, cut_points, merge_equal
+
+
+@frozen
+class Decision:
+    """What the viewer gets over a stretch, after the overrides."""
+
+    camera: str
+    centering: bool
+    fill: bool
+    colour: bool
+    overridden: bool
+    offset: tuple[float, float] | None = None  # centering by hand, programme pixels
+
+
+def resolve(edl: Edl) -> tuple[tuple[FrameRange, Decision], ...]:
+    """The effective shots and looks: the analysis below, overrides on top. The ranges tile [0, frames).
+
+    Neighbours with the same decision are one stretch. Cost grows with shots plus overrides, times the overrides
+    that hold at one moment.
+    """
+    points = cut_points(edl.frames, [s.range for s in edl.shots] + [o.range for o in edl.overrides])
+    pieces: list[tuple[FrameRange, Decision]] = []
+    shots = iter(edl.shots)
+    shot = next(shots)
+    beginning: dict[int, list[int]] = {}
+    for index, override in enumerate(edl.overrides):
+        beginning.setdefault(override.range.start, []).append(index)
+    holding: list[int] = []  # indices of the overrides that hold, in the list's order
+    for start, stop in pairwise(points):
+        while start not in shot.range:
+            shot = next(shots)
+        holding = sorted([i for i in holding if start in edl.overrides[i].range] + beginning.get(start, []))
+        decision = Decision(shot.camera, edl.look.centering, edl.look.fill, edl.look.colour, overridden=False)
+        for override in (edl.overrides[i] for i in holding):
+            given = {
+                name: value
+                for name in ("camera", "centering", "fill", "colour", "offset")
+                if (value := getattr(override, name)) is not None
+            }
+            decision = attrs.evolve(decision, **given, overridden=decision.overridden or bool(given))
+        pieces.append((FrameRange(start, stop), decision))
+    return tuple(merge_equal(pieces))
+
+
+def offset_at(keys: tuple[CenteringKey, ...], frame: float) -> tuple[float, float]:
+    """Centering offset (dx, dy) in programme pixels at ``frame``: linear between keys, held outside, 0 without keys."""
+    if not keys:
+        return 0.0, 0.0
+    after = bisect_right(keys, frame, key=lambda k: k[0])
+    if after in (0, len(keys)):
+        _, x, y = keys[0 if after == 0 else -1]
+        return x, y
+    (f0, x0, y0), (f1, x1, y1) = keys[after - 1], keys[after]
+    part = (frame - f0) / (f1 - f0)
+    return x0 + part * (x1 - x0), y0 + part * (y1 - y0)
+
+
+def shift_at(edl: Edl, decision: Decision, frame: float) -> tuple[float, float]:
+    """Centering (dx, dy) in programme pixels at ``frame`` under ``decision``: by hand, else the EDL's keys, or none."""
+    if not decision.centering:
+        return 0.0, 0.0
+    return offset_at(edl.centering, frame) if decision.offset is None else decision.offset
+
+
+def multiply(a: Matrix, b: Matrix) -> Matrix:
+    """The matrix product a @ b."""
+    rows = [tuple(sum(a[i][k] * b[k][j] for k in range(3)) for j in range(3)) for i in range(3)]
+    return rows[0], rows[1], rows[2]  # pyright: ignore[reportReturnType]
+
+
+def correction_of(edl: Edl, pose: Pose, camera: str) -> Matrix | None:
+    """The correction by hand that holds for ``camera`` in ``pose``, programme pixel -> programme pixel, or None.
+
+    It is the last in the list that covers more than half of the pose: a new analysis may move the pose's ends.
+    """
+    for correction in reversed(edl.corrections):
+        shared = correction.range.intersection(pose.range)
+        if correction.camera == camera and shared is not None and 2 * len(shared) > len(pose.range):
+            return correction.matrix
+    return None
+
+
+def placed(edl: Edl, pose: Pose, camera: str) -> Matrix | None:
+    """Camera pixel -> programme pixel in ``pose`` before centering: correction @ anchor @ homography.
+
+    None for a camera that nothing is known of: a weak one that nobody has placed by hand.
+    """
+    homography = pose.homographies.get(camera)
+    correction = correction_of(edl, pose, camera)
+    if homography is not None:
+        matrix = multiply(pose.anchor, homography)
+    elif correction is not None:
+        matrix = fitted(edl.camera(camera).size, edl.size)
+    else:
+        return None
+    return matrix if correction is None else multiply(correction, matrix)
+
+
+def fitted(size: tuple[int, int], to: tuple[int, int]) -> Matrix:
+    """Fits a picture of ``size`` (width, height) into one of size ``to``, edge on edge."""
+    x, y = to[0] / size[0], to[1] / size[1]
+    return (x, 0.0, (x - 1) / 2), (0.0, y, (y - 1) / 2), (0.0, 0.0, 1.0)
+
+
+def carry_over(old: Edl, new: Edl) -> Edl:
+    """``new`` (a fresh analysis) with the editor's decisions of ``old``: overrides, corrections and look.
+
+    Raises DocumentError where that cannot be: the rate is another (the same frame numbers would be other moments),
+    an override names a camera that is gone, or one reaches past the new end.
+    """
+    names = {c.name for c in new.cameras}
+    decided = [(f"overrides[{i}]", o.camera, o.range) for i, o in enumerate(old.overrides)]
+    decided += [(f"corrections[{i}]", c.camera, c.range) for i, c in enumerate(old.corrections)]
+    if decided and old.rate != new.rate:
+        raise DocumentError(
+            f"the overrides count frames at {old.rate} per second, the new analysis at {new.rate}",
+            remedy=f"Analyse with --rate {old.rate}, or remove the overrides from the old EDL",
+        )
+    for at, camera, piece in decided:
+        if camera is not None and camera not in names:
+            raise DocumentError(
+                f"{at} takes camera {camera!r}, which the new analysis has not",
+                remedy=f"Name the cameras as before, or remove {at} from the old EDL",
+            )
+        if piece.stop > new.frames:
+            raise DocumentError(
+                f"{at} ends at frame {piece.stop}, after the new end {new.frames}",
+                remedy=f"Analyse the whole recording, or shorten {at} in the old EDL",
+            )
+    return attrs.evolve(new, overrides=old.overrides, corrections=old.corrections, look=old.look)
