@@ -248,13 +248,6 @@ def pose_ranges(movements: Sequence[edl.Movement], frames: int) -> list[FrameRan
     return [FrameRange(a, b) for a, b in zip(cuts, cuts[1:], strict=False)]
 
 
-def _standing(samples: Samples, piece: FrameRange, movements: Sequence[edl.Movement]) -> list[int]:
-    """Positions of the samples in ``piece`` during which the lamp stands still; all of them if it never does."""
-    inside = samples.within(piece)
-    still = [i for i in inside if not any(samples.frames[i] in m.range for m in movements)]
-    return still or inside
-
-
 def _solve(
     samples: Samples,
     footage: Footage,
@@ -273,7 +266,7 @@ def _solve(
     for piece in pieces:
         pose = solve_pose(
             piece,
-            _standing(samples, piece, movements),
+            samples.standing(piece, movements) or samples.within(piece),
             samples,
             sizes,
             reference=reference,

@@ -18,7 +18,7 @@ from .evidence import SolvedPose, SolveSettings, correspondences, field_in, weig
 from .hookspecs import Matcher
 from .progress import Progress
 from .samples import Samples
-from .scene import scaling
+from .scene import at_columns, resized, scaling
 from .solving import to_matrix
 from .surgical_field import hull
 
@@ -107,9 +107,9 @@ def _by_spots(
 ) -> Array:
     """``first`` refined by every spot of the field, over all cameras; ``first`` itself where too few agree."""
     size = before.scene.camera_sizes[before.scene.reference]
-    dense_size = (settings.dense_width, max(1, round(size[1] * settings.dense_width / size[0])))
+    dense_size = at_columns(size, settings.dense_width)
     to_scene = scaling(size, dense_size)
-    place = hull(cv2.resize(before.scene.field.astype(np.uint8), dense_size, interpolation=cv2.INTER_NEAREST) > 0)
+    place = hull(resized(before.scene.field, dense_size))
     a: list[Array] = []
     b: list[Array] = []
     weights: list[Array] = []

@@ -113,7 +113,10 @@ def placed(edl: Edl, pose: Pose, camera: str) -> Matrix | None:
 
 
 def fitted(size: tuple[int, int], to: tuple[int, int]) -> Matrix:
-    """Fits a picture of ``size`` (width, height) into one of size ``to``, edge on edge."""
+    """Fits a picture of ``size`` (width, height) into one of size ``to``.
+
+    Edges, not centres, coincide: pixel x covers [x - 0.5, x + 0.5).
+    """
     x, y = to[0] / size[0], to[1] / size[1]
     return (x, 0.0, (x - 1) / 2), (0.0, y, (y - 1) / 2), (0.0, 0.0, 1.0)
 

@@ -74,8 +74,9 @@ class Aligner(Protocol):
     ) -> Alignment:
         """One homography per camera that can be tied in, the others as weak with a reason.
 
-        pairs: matches of cameras (a, b), pooled over clear moments; those in the surgical field weigh 1, those outside
-        about 0.01. sizes: every camera's (width, height).
+        pairs: matches of cameras (a, b), pooled over clear moments: first of distinctive points, of which those in the
+        surgical field weigh 1, those outside about 0.01; then of every spot of the field, which weigh 0.3 to 1. sizes:
+        every camera's (width, height).
         """
         ...
 

@@ -8,12 +8,12 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .decisions import fitted
 from .edl import IDENTITY, Edl, Matrix, Pose
 from .filling import Filler, FootprintFiller
 from .footage import Footage, Player
 from .images import Planes
 from .plugins import filler_of
+from .scene import scaling
 
 
 def reduced_size(size: tuple[int, int], width: int) -> tuple[int, int]:
@@ -27,8 +27,8 @@ def reduced(edl: Edl, size: tuple[int, int]) -> Edl:
     """The same programme at ``size``, its cameras reduced as much, so that pictures of it are made at that size."""
     factor = size[0] / edl.size[0]
     cameras = tuple(attrs.evolve(c, size=reduced_size(c.size, round(c.size[0] * factor))) for c in edl.cameras)
-    shrink = {c.name: np.array(fitted(c.size, r.size)) for c, r in zip(edl.cameras, cameras, strict=True)}
-    ground, programme = shrink[edl.reference], np.array(fitted(edl.size, size))
+    shrink = {c.name: scaling(c.size, r.size) for c, r in zip(edl.cameras, cameras, strict=True)}
+    ground, programme = shrink[edl.reference], scaling(edl.size, size)
 
     def pose_at_size(pose: Pose) -> Pose:
         return attrs.evolve(

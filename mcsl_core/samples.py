@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import BinaryIO
 
@@ -17,6 +17,7 @@ from attrs import define, field, frozen
 from numpy.typing import NDArray
 
 from .documents import write_atomic
+from .edl import Movement
 from .footage import Footage
 from .progress import Progress
 from .timing import FrameRange
@@ -108,6 +109,10 @@ class Samples:
     def within(self, piece: FrameRange) -> list[int]:
         """Positions of the samples whose frames lie in ``piece``."""
         return [i for i, frame in enumerate(self.frames) if frame in piece]
+
+    def standing(self, piece: FrameRange, movements: Sequence[Movement]) -> list[int]:
+        """Those `within` ``piece`` during which the lamp stands still."""
+        return [i for i in self.within(piece) if not any(self.frames[i] in m.range for m in movements)]
 
     def _read(self, start: int, length: int) -> NDArray[np.uint8]:
         data = np.frombuffer(os.pread(self._file.fileno(), length, start), np.uint8)  # safe from several threads

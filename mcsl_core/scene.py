@@ -12,6 +12,8 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
+from .decisions import fitted
+
 Picture = NDArray[np.uint8]
 Mask = NDArray[np.bool_]
 Array = NDArray[np.float64]
@@ -19,9 +21,17 @@ Array = NDArray[np.float64]
 
 def scaling(from_size: tuple[int, int], to_size: tuple[int, int]) -> Array:
     """3x3: pixel of a picture of ``from_size`` (width, height) -> the same place in one of ``to_size``."""
-    sx, sy = to_size[0] / from_size[0], to_size[1] / from_size[1]
-    # Edges, not centres, coincide: pixel x covers [x - 0.5, x + 0.5).
-    return np.array([[sx, 0, 0.5 * sx - 0.5], [0, sy, 0.5 * sy - 0.5], [0, 0, 1.0]])
+    return np.array(fitted(from_size, to_size))
+
+
+def at_columns(size: tuple[int, int], columns: int) -> tuple[int, int]:
+    """``size`` (width, height) brought to so many columns, its shape kept."""
+    return columns, max(1, round(size[1] * columns / size[0]))
+
+
+def resized(mask: Mask, size: tuple[int, int]) -> Mask:
+    """``mask`` at another ``size`` (width, height), every pixel of it one of the old."""
+    return cv2.resize(mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
 
 
 @frozen(eq=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +32,27 @@ class Curve:
     def __attrs_post_init__(self) -> None:
         if not len(self.frames) == len(self.values) == len(self.threshold):
             raise ValueError("frames, values and threshold of a curve must be equally many")
+
+    def arrays(self) -> dict[str, NDArray]:
+        """Everything in it, as arrays that .npz files take; `from_arrays` is the way back."""
+        return {
+            "movement_label": np.array([self.label, self.unit]),
+            "movement_frames": self.frames,
+            "movement_values": self.values,
+            "movement_threshold": self.threshold,
+        }
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, NDArray]) -> Curve:
+        """KeyError where an array is missing, ValueError where one does not fit."""
+        label, unit = (str(word) for word in arrays["movement_label"])
+        return cls(
+            label,
+            unit,
+            arrays["movement_frames"].astype(np.int64),
+            arrays["movement_values"].astype(np.float64),
+            arrays["movement_threshold"].astype(np.float64),
+        )
 
 
 NO_CURVE = Curve("", "", np.zeros(0, np.int64), np.zeros(0), np.zeros(0))
@@ -69,20 +91,32 @@ class ScoreTable:
         if known.size and (known.min() < 0 or known.max() > 1):
             raise ValueError(f"visible must lie in 0..1, got {known.min():.3g}..{known.max():.3g}")
 
-    def save(self, path: Path) -> None:
-        """Writes a compressed .npz atomically; the same table gives the same bytes."""
-        stream = io.BytesIO()
-        np.savez_compressed(
-            stream,
-            frames=self.frames,
-            cameras=np.array(self.cameras),
-            visible=self.visible.astype(np.float32),
-            usable=self.usable,
-            movement_label=np.array([self.movement.label, self.movement.unit]),
-            movement_frames=self.movement.frames,
-            movement_values=self.movement.values.astype(np.float32),
-            movement_threshold=self.movement.threshold.astype(np.float32),
+    def arrays(self) -> dict[str, NDArray]:
+        """Everything in it, as arrays that .npz files take; `from_arrays` is the way back."""
+        return {
+            "frames": self.frames,
+            "cameras": np.array(self.cameras),
+            "visible": self.visible,
+            "usable": self.usable,
+            **self.movement.arrays(),
+        }
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, NDArray]) -> ScoreTable:
+        """KeyError where an array is missing, ValueError where one does not fit."""
+        return cls(
+            arrays["frames"].astype(np.int64),
+            tuple(str(name) for name in arrays["cameras"]),
+            arrays["visible"].astype(np.float64),
+            arrays["usable"].astype(bool),
+            Curve.from_arrays(arrays),
         )
+
+    def save(self, path: Path) -> None:
+        """Writes a compressed .npz atomically, in single precision; the same table gives the same bytes."""
+        stream = io.BytesIO()
+        single = {name: a.astype(np.float32) if a.dtype == np.float64 else a for name, a in self.arrays().items()}
+        np.savez_compressed(stream, **single)  # pyright: ignore[reportArgumentType]
         write_atomic(path, stream.getvalue())
 
 
@@ -90,19 +124,7 @@ def load_scores(path: Path) -> ScoreTable:
     """Reads what `ScoreTable.save` wrote; DocumentError when it is something else."""
     try:
         with np.load(path, allow_pickle=False) as data:
-            return ScoreTable(
-                data["frames"].astype(np.int64),
-                tuple(str(name) for name in data["cameras"]),
-                data["visible"].astype(np.float64),
-                data["usable"].astype(bool),
-                Curve(
-                    str(data["movement_label"][0]),
-                    str(data["movement_label"][1]),
-                    data["movement_frames"].astype(np.int64),
-                    data["movement_values"].astype(np.float64),
-                    data["movement_threshold"].astype(np.float64),
-                ),
-            )
+            return ScoreTable.from_arrays(data)
     except (OSError, KeyError, ValueError) as error:
         raise DocumentError(
             f"is not a table of scores ({error})", where=str(path), remedy="Run `mcsl analyse` again"

@@ -73,8 +73,7 @@ def stretches(
     """Every pose in stretches of about `STRETCH` samples, in order of time."""
     made = []
     for pose in solved:
-        positions = samples.within(pose.pose.range)
-        still = [i for i in positions if not any(samples.frames[i] in m.range for m in movements)]
+        still = samples.standing(pose.pose.range, movements)
         if not still:
             continue
         parts = np.array_split(np.array(still), max(1, round(len(still) / STRETCH)))
@@ -96,11 +95,11 @@ def score_views(
     visible = np.full((len(samples), len(samples.cameras)), np.nan)
     usable = np.zeros(visible.shape, bool)
     for pose in solved:
+        still = set(samples.standing(pose.pose.range, movements))
         for i in samples.within(pose.pose.range):
             moment = samples[i]
             views = pose.scene.views(moment.pictures)
-            moving = any(moment.frame in m.range for m in movements)
-            piece = None if moving else next((p for p in pieces if moment.frame in p.range), None)
+            piece = None if i not in still else next((p for p in pieces if moment.frame in p.range), None)
             scores = {} if piece is None else piece.score(views)
             for view in views:
                 column = samples.cameras.index(view.camera)

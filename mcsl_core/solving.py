@@ -23,7 +23,7 @@ from .hookspecs import Aligner, Matcher
 from .occlusion import degree_of_occlusion, field_area, main_region
 from .progress import Progress
 from .samples import Samples
-from .scene import Mask, Scene, scaling
+from .scene import Mask, Scene, at_columns, resized, scaling
 from .surgical_field import closed, field_of, hull, middle, typical_picture
 from .timing import FrameRange
 
@@ -131,7 +131,7 @@ def _by_spots(
         name: Placed([p.get(name) for p in pictures], to_scene @ h, sizes[name])
         for name, h in first.homographies.items()
     }
-    area = hull(_resized(place, scene.size))
+    area = hull(resized(place, scene.size))
     return match_densely(views, area if area.any() else middle(scene.size), settings.dense)
 
 
@@ -166,7 +166,7 @@ def _field(place: Mask, dense: Pairs, scene: Scene) -> Mask:
 
     Hands in gloves of the field's hue lie in the typical picture where they work, but nothing there stays.
     """
-    typical = _resized(place, scene.size)
+    typical = resized(place, scene.size)
     stays = np.zeros((scene.size[1], scene.size[0]), np.uint8)
     to_scene = scaling(scene.camera_sizes[scene.reference], scene.size)
     for (a, _), matches in dense.items():
@@ -181,14 +181,9 @@ def _field(place: Mask, dense: Pairs, scene: Scene) -> Mask:
     return typical if typical.any() else middle(scene.size)
 
 
-def _resized(mask: Mask, size: tuple[int, int]) -> Mask:
-    return cv2.resize(mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
-
-
 def _scene(alignment: Alignment, sizes: Mapping[str, tuple[int, int]], reference: str, columns: int) -> Scene:
     """The scene of so many columns; where its field lies is not known yet."""
-    width, height = sizes[reference]
-    size = (columns, max(1, round(height * columns / width)))
+    size = at_columns(sizes[reference], columns)
     return Scene(size, reference, alignment.homographies, sizes, np.zeros((size[1], size[0]), bool))
 
 

@@ -122,20 +122,13 @@ def _unpack_clocks(arrays: Arrays) -> tuple[Clock, ...]:
 
 
 def _pack_detection(found: Detection) -> dict[str, NDArray]:
-    curve = found.curve
-    return {
-        "movements": _text(_converter.unstructure(list(found.movements), list[Movement])),
-        "words": np.array([curve.label, curve.unit]),
-        "frames": curve.frames,
-        "values": curve.values,
-        "threshold": curve.threshold,
-    }
+    movements = _text(_converter.unstructure(list(found.movements), list[Movement]))
+    return {"movements": movements, **found.curve.arrays()}
 
 
 def _unpack_detection(arrays: Arrays) -> Detection:
-    label, unit = (str(w) for w in arrays["words"])
-    curve = Curve(label, unit, arrays["frames"], arrays["values"], arrays["threshold"])
-    return Detection(tuple(_converter.structure(_json(arrays, "movements"), list[Movement])), curve)
+    movements = tuple(_converter.structure(_json(arrays, "movements"), list[Movement]))
+    return Detection(movements, Curve.from_arrays(arrays))
 
 
 def _pack_poses(solved: Sequence[SolvedPose]) -> dict[str, NDArray]:
@@ -163,24 +156,10 @@ def _unpack_poses(arrays: Arrays) -> list[SolvedPose]:
     return solved
 
 
-def _pack_scores(table: ScoreTable) -> dict[str, NDArray]:
-    return {
-        "frames": table.frames,
-        "cameras": np.array(table.cameras),
-        "visible": table.visible,
-        "usable": table.usable,
-    }
-
-
-def _unpack_scores(arrays: Arrays) -> ScoreTable:
-    cameras = tuple(str(c) for c in arrays["cameras"])
-    return ScoreTable(arrays["frames"], cameras, arrays["visible"], arrays["usable"])
-
-
 CLOCKS = Form(_pack_clocks, _unpack_clocks)
 DETECTION = Form(_pack_detection, _unpack_detection)
 POSES = Form(_pack_poses, _unpack_poses)
-SCORES = Form(_pack_scores, _unpack_scores)
+SCORES = Form(ScoreTable.arrays, ScoreTable.from_arrays)
 CUTS: Form[tuple[int, ...]] = Form(
     lambda cuts: {"cuts": np.array(cuts, np.int64)}, lambda arrays: tuple(int(n) for n in arrays["cuts"])
 )

@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 
 from ..compositor import Compositor, programme_matrix
 from ..coverage import Coverage
-from ..decisions import fitted, placed, resolve
+from ..decisions import placed, resolve
 from ..edl import Edl, Pose
 from ..footage import Footage
 from ..images import planes_to_bgr
 from ..progress import Progress
 from ..reduced import reduced, reduced_filler, reduced_size
+from ..scene import scaling
 from ..scores import ScoreTable
 from ..timing import FrameRange
 
@@ -91,7 +92,7 @@ def _of_pose(
     compositor: Compositor,
     coverage: Coverage,
 ) -> PosePictures:
-    plain = {name: np.array(fitted((p.shape[1], p.shape[0]), edl.size)) for name, p in pictures.items()}
+    plain = {name: scaling((p.shape[1], p.shape[0]), edl.size) for name, p in pictures.items()}
     tied = [name for name in pictures if placed(edl, pose, name) is not None]
     aligned = {name: programme_matrix(edl, pose, name) for name in tied}
     camera = next(decision.camera for piece, decision in resolve(edl) if frame in piece)
