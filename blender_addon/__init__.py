@@ -8,15 +8,17 @@
 
 def register() -> None:
     """Called by Blender when the extension is switched on. bpy is imported here, so that tests can do without."""
-    from . import operators, panels
+    from . import by_hand, operators, panels
 
     operators.register()
+    by_hand.register()
     panels.register()
 
 
 def unregister() -> None:
     """Called by Blender when it is switched off: in reverse."""
-    from . import operators, panels
+    from . import by_hand, operators, panels
 
     panels.unregister()
+    by_hand.unregister()
     operators.unregister()

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Sequence
 import attrs
 from attrs import frozen
 
-from mcsl_core.decisions import correction_of, multiply
+from mcsl_core.decisions import multiply
 from mcsl_core.edl import Correction, Edl, Matrix, Pose
 from mcsl_core.errors import InputError
 from mcsl_core.timing import FrameRange
@@ -73,7 +73,8 @@ def _overlap(strip: FoundCamera, pose: Pose) -> int:
 
 
 def _is_touched(edl: Edl, pose: Pose, strip: FoundCamera) -> bool:
-    assert strip.transform is not None and strip.planned is not None
+    assert strip.transform is not None
+    assert strip.planned is not None
     return not _same_place(edl, strip, strip.transform, corrected(edl, edl.camera(strip.camera), pose, strip.planned))
 
 
@@ -93,7 +94,8 @@ def _apart(a: Matrix, b: Matrix, size: tuple[int, int]) -> float:
 def _check_agree(edl: Edl, touched: Sequence[FoundCamera]) -> None:
     first = touched[0]
     for other in touched[1:]:
-        assert first.transform is not None and other.transform is not None
+        assert first.transform is not None
+        assert other.transform is not None
         if not _same_place(edl, first, first.transform, other.transform):
             raise InputError(
                 f"stand differently in one pose (from frames {first.start + 1} and {other.start + 1})",
@@ -104,13 +106,14 @@ def _check_agree(edl: Edl, touched: Sequence[FoundCamera]) -> None:
 
 def _correction(edl: Edl, pose: Pose, strip: FoundCamera) -> Matrix | None:
     """Programme pixel -> programme pixel, from the automatic place to where the strip stands; None where it is that."""
-    assert strip.transform is not None and strip.planned is not None
+    assert strip.transform is not None
+    assert strip.planned is not None
     camera = edl.camera(strip.camera)
     if _same_place(edl, strip, strip.transform, strip.planned):
         return None
-    if abs(strip.transform.scale * strip.transform.height_scale) < 1e-6:
+    if min(strip.transform.scale, strip.transform.height_scale) < 1e-3:
         raise InputError(
-            "is scaled to nothing",
+            "is mirrored or scaled to nothing",
             where=f"strip {strip.name!r} of {strip.camera}, frame {strip.start + 1}",
             remedy="Set its scale in the strip's transform",
         )

@@ -11,19 +11,23 @@ A camera's clock drift is not in the preview: the start of each of its files is 
 
 from __future__ import annotations
 
+import hashlib
 import json
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from itertools import pairwise
 from math import ceil
 
+import attrs
 from attrs import frozen
 
-from mcsl_core.decisions import offset_at, placed, resolve
-from mcsl_core.edl import Camera, Edl, Pose
+from mcsl_core import decisions
+from mcsl_core.decisions import correction_of, multiply, offset_at, placed, resolve
+from mcsl_core.edl import Camera, Edl, Matrix, Pose
 from mcsl_core.timing import FrameRange, merge_equal
 
-from .similarity import Transform, closest, fitted
+from .similarity import Transform, closest, fitted, matrix_of, transform_of
 
 TIMELINE_SCHEMA = "mcsl.timeline/1"
 AUDIO_CHANNEL = 1
@@ -32,10 +36,11 @@ FIRST_CAMERA_CHANNEL = 2
 
 @frozen
 class MoviePiece:
-    """A stretch of a camera file with one transform: one pose."""
+    """A stretch of a camera file with one transform: one pose. planned: the transform without any correction."""
 
     range: FrameRange
     transform: Transform
+    planned: Transform
 
 
 @frozen
@@ -177,6 +182,19 @@ def automatic_from_text(text: str) -> tuple[tuple[FrameRange, str], ...]:
     return tuple(pieces)
 
 
+def tracks_key(tracks: Sequence[CameraTrack]) -> str:
+    """A hash of what the camera strips are made from, corrections apart: they are in the strips already."""
+    value = [
+        [
+            t.camera,
+            t.channel,
+            [[f.path, f.start, f.frames, [[str(p.range), p.planned] for p in f.pieces]] for f in t.files],
+        ]
+        for t in tracks
+    ]
+    return hashlib.sha256(repr(value).encode()).hexdigest()[:16]
+
+
 def first_frame(time_s: float, rate: Fraction) -> int:
     """The first programme frame that begins at or after ``time_s``: there a picture of that time is first shown.
 
@@ -192,14 +210,15 @@ def _files(edl: Edl, camera: Camera) -> tuple[CameraFile, ...]:
         starts.append(first_frame(camera.clock.programme_time(played / camera.rate), edl.rate))
         played += media.frames
     files = []
+    transforms = [(planned := planned_transform(edl, camera, p), corrected(edl, camera, p, planned)) for p in edl.poses]
     for index, media in enumerate(camera.media):
         stop = starts[index] + media.frames
         if index + 1 < len(starts):
             stop = min(stop, starts[index + 1])
         pieces = []
-        for pose in edl.poses:
+        for pose, (planned, shown) in zip(edl.poses, transforms, strict=True):
             for start, end in _without(max(pose.range.start, starts[index]), min(pose.range.stop, stop), camera.gaps):
-                pieces.append(MoviePiece(FrameRange(start, end), camera_transform(edl, camera, pose)))
+                pieces.append(MoviePiece(FrameRange(start, end), shown, planned))
         files.append(CameraFile(media.path, starts[index], media.frames, tuple(pieces)))
     return tuple(files)
 
@@ -215,13 +234,45 @@ def _without(start: int, stop: int, gaps: Iterable[FrameRange]) -> list[tuple[in
 
 
 def camera_transform(edl: Edl, camera: Camera, pose: Pose) -> Transform:
-    """The strip transform nearest to the camera's way into the programme; a weak camera's picture stands whole."""
-    matrix = placed(edl, pose, camera.name)
+    """The strip transform that shows the camera in the programme, moved by the editor's correction if there is one."""
+    return corrected(edl, camera, pose, planned_transform(edl, camera, pose))
+
+
+def planned_transform(edl: Edl, camera: Camera, pose: Pose) -> Transform:
+    """The similarity nearest to the camera's way into the programme as analysed; a weak camera stands whole."""
+    matrix = placed(attrs.evolve(edl, corrections=()), pose, camera.name)
     if matrix is None:
         return fitted(camera.size, edl.size)
-    dx, dy = offset_at(edl.centering, (pose.range.start + pose.range.stop) / 2)  # centering moves the field to the
-    field = complex((edl.size[0] - 1) / 2 - dx, (edl.size[1] - 1) / 2 - dy)  # middle, so it stands that far off it
-    return closest(matrix, camera.size, edl.size, field)
+    return closest(matrix, camera.size, edl.size, _field(edl, pose))
+
+
+def corrected(edl: Edl, camera: Camera, pose: Pose, planned: Transform) -> Transform:
+    """``planned`` moved by the correction that holds for the camera in ``pose``.
+
+    Not the similarity nearest to the corrected homography: the preview must move by just what the editor moved it.
+    """
+    correction = correction_of(edl, pose, camera.name)
+    if correction is None:
+        return planned
+    matrix = multiply(correction, base_matrix(edl, camera, pose, planned))
+    exact = transform_of(matrix, camera.size, edl.size)
+    return exact if exact is not None else closest(matrix, camera.size, edl.size, _field(edl, pose))
+
+
+def base_matrix(edl: Edl, camera: Camera, pose: Pose, planned: Transform) -> Matrix:
+    """Camera pixel -> programme pixel of the preview, to which a correction is applied.
+
+    For a weak camera it is not what ``planned`` shows but what `decisions.placed` starts from: edge on edge.
+    """
+    if camera.name not in pose.homographies:
+        return decisions.fitted(camera.size, edl.size)
+    return matrix_of(planned, camera.size, edl.size)
+
+
+def _field(edl: Edl, pose: Pose) -> complex:
+    """The surgical field's middle in programme pixels: centering moves it to the middle, so it stands that far off."""
+    dx, dy = offset_at(edl.centering, (pose.range.start + pose.range.stop) / 2)
+    return complex((edl.size[0] - 1) / 2 - dx, (edl.size[1] - 1) / 2 - dy)
 
 
 def _programme(edl: Edl, channels: dict[str, int]) -> tuple[ProgrammeStrip, ...]:
@@ -266,13 +317,14 @@ def _offset_keys(edl: Edl) -> tuple[OffsetKey, ...]:
 
     if len(states) == 1 and states[0][1] == (True, None):
         return tuple(key(frame) for frame, _, _ in edl.centering)
+    frames = [frame for frame, _, _ in edl.centering]
     keys: list[OffsetKey] = []
     for stretch, (on, by_hand) in states:
         if not on or by_hand is not None:
             dx, dy = by_hand if on and by_hand is not None else (0.0, 0.0)
             keys.append(OffsetKey(stretch.start, dx, 0.0 - dy, hold=True))
             continue
-        inner = [frame for frame, _, _ in edl.centering if stretch.start < frame < stretch.stop - 1]
+        inner = frames[bisect_right(frames, stretch.start) : bisect_left(frames, stretch.stop - 1)]
         keys.extend(key(frame) for frame in [stretch.start, *inner])
         if len(stretch) > 1:
             keys.append(key(stretch.stop - 1))

@@ -15,7 +15,7 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
-from typing import Any
+from typing import Any, Literal
 
 import attrs
 from attrs import frozen
@@ -24,17 +24,20 @@ from mcsl_core.edl import Edl, Override
 from mcsl_core.errors import InputError
 from mcsl_core.timing import FrameRange
 
+from .nudges import FoundCamera, read_corrections
 from .plan import automatic_cameras
 
 FIELDS = ("camera", "centering", "fill", "colour", "offset")
-READ = ("camera", "centering", "fill")  # what a Programme strip can say
+READ = ("camera", "centering", "fill", "offset")  # what a Programme strip can say
+AUTOMATIC = "automatic"  # said of a centre: no longer by hand
 
 
 @frozen
 class FoundStrip:
     """A Multicam strip as found: frames [start, stop) on the programme's count, which may reach outside it.
 
-    source: the channel it shows. centering, fill: the editor's switch on this strip; None says nothing.
+    source: the channel it shows. centering, fill: the editor's switch on this strip; offset: the centre by hand,
+    [dx, dy] in programme pixels, or AUTOMATIC. None says nothing.
     """
 
     name: str
@@ -45,16 +48,7 @@ class FoundStrip:
     muted: bool = False
     centering: bool | None = None
     fill: bool | None = None
-
-
-@frozen
-class FoundCamera:
-    """A camera's strip as found; the camera is its mcsl_camera property."""
-
-    camera: str
-    channel: int
-    start: int
-    stop: int
+    offset: tuple[float, float] | Literal["automatic"] | None = None
 
 
 @frozen
@@ -64,6 +58,15 @@ class SequencerState:
     strips: tuple[FoundStrip, ...]
     cameras: tuple[FoundCamera, ...]
     automatic: tuple[tuple[FrameRange, str], ...] | None = None
+    notes: tuple[str, ...] = ()  # what was seen and is not read, for a person
+
+
+def read_edl(edl: Edl, state: SequencerState) -> Edl:
+    """``edl`` with the editor's decisions as the sequencer shows them; equal to it where nothing was decided anew.
+
+    InputError names the strip and frame that cannot be read.
+    """
+    return attrs.evolve(edl, overrides=read_overrides(edl, state), corrections=read_corrections(edl, state.cameras))
 
 
 def read_overrides(edl: Edl, state: SequencerState) -> tuple[Override, ...]:
@@ -77,7 +80,7 @@ def read_overrides(edl: Edl, state: SequencerState) -> tuple[Override, ...]:
     segments = _Segments(edl.frames, _all_ranges(edl, state, automatic))
     top = segments.paint([(s.start, s.stop, s) for s in sorted(state.strips, key=lambda s: s.channel) if not s.muted])
     changes = {"camera": _camera_changes(edl, state, segments, top, automatic)}
-    for name in ("centering", "fill"):
+    for name in ("centering", "fill", "offset"):
         changes[name] = _look_changes(edl, name, segments, top)
     kept = [piece for override in edl.overrides for piece in _less(override, segments, changes)]
     return _with_new(kept, _new_decisions(segments, changes))
@@ -185,7 +188,7 @@ def _camera_of(state: SequencerState, strip: FoundStrip, frame: int, known: set[
 
 
 def _look_changes(edl: Edl, name: str, segments: _Segments, top: Sequence[FoundStrip | None]) -> list[_Change | None]:
-    ground = getattr(edl.look, name)
+    ground = getattr(edl.look, name, AUTOMATIC)
     holds = segments.paint(_said(edl, name), ground)
     changes: list[_Change | None] = [None] * segments.count
     for index, strip in enumerate(top):

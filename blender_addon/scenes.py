@@ -6,12 +6,15 @@ The EDL's path is kept relative to the .blend (//) wherever there is a way, so t
 
 from __future__ import annotations
 
+import json
 import os
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import bpy  # pyright: ignore[reportMissingImports]
 
+from mcsl_core import edl as edls
 from mcsl_core.edl import Edl
 from mcsl_core.errors import InputError
 
@@ -57,6 +60,26 @@ def set_ids(scene: Any, edl: Edl, path: Path, folder: Path | None) -> None:
     scene["mcsl"] = TIMELINE_SCHEMA
     scene["mcsl_edl"] = relative(path, folder)
     scene["mcsl_overrides"] = len(edl.overrides)
+    scene["mcsl_cameras"] = json.dumps([camera.name for camera in edl.cameras], ensure_ascii=False)
+
+
+def camera_names(scene: Any) -> list[str]:
+    """The EDL's cameras in its order, as the timeline was built from it: key n is the n-th."""
+    if text := scene.get("mcsl_cameras"):
+        return json.loads(text)
+    return [camera.name for camera in edl_of(scene).cameras]  # a timeline older than the property
+
+
+@lru_cache(maxsize=2)
+def _loaded(path: Path, _changed_ns: int, _size: int) -> Edl:
+    return edls.load(path)
+
+
+def edl_of(scene: Any) -> Edl:
+    """The scene's EDL as it lies on disk now, read again only when it changed. Raises as `edl_path` and `load`."""
+    path = edl_path(scene, Path(bpy.data.filepath))
+    state = path.stat()
+    return _loaded(path, state.st_mtime_ns, state.st_size)
 
 
 def relative(path: Path, folder: Path | None) -> str:

@@ -10,24 +10,63 @@ Checked by rendering against a picture resampled without Blender: tests/blender/
 from __future__ import annotations
 
 import cmath
-from math import exp
+from math import atan2, cos, exp, hypot, sin
 
 from attrs import frozen
 
 from mcsl_core.edl import Matrix
 
 GRID = 17  # points a side; a similarity has four unknowns, 289 points leave no doubt about the mean
+SHEAR = 1e-6  # cosine between the axes, and part of the scale: under it is rounding, a thousandth of a pixel
 SPREAD = 0.3  # weight falls to exp(-1/2) at this part of the picture's width from the field's middle
 
 
 @frozen
 class Transform:
-    """A strip's transform: offsets in render pixels (y up), uniform scale, rotation in radians, counter-clockwise."""
+    """A strip's transform: offsets in render pixels (y up), scale, rotation in radians, counter-clockwise.
+
+    scale_y: of the height where it is not ``scale``, which only an editor's hand makes.
+    """
 
     offset_x: float
     offset_y: float
     scale: float
     rotation: float
+    scale_y: float | None = None
+
+    @property
+    def height_scale(self) -> float:
+        return self.scale if self.scale_y is None else self.scale_y
+
+
+def matrix_of(transform: Transform, camera_size: tuple[int, int], programme_size: tuple[int, int]) -> Matrix:
+    """Camera pixel -> programme pixel as Blender shows the strip: scaled about its middle, turned, moved. Affine."""
+    c, s = cos(transform.rotation), sin(transform.rotation)
+    (a, b), (d, e) = (
+        (c * transform.scale, s * transform.height_scale),  # clockwise: y points down here
+        (-s * transform.scale, c * transform.height_scale),
+    )
+    x, y = (camera_size[0] - 1) / 2, (camera_size[1] - 1) / 2
+    u = (programme_size[0] - 1) / 2 + transform.offset_x
+    v = (programme_size[1] - 1) / 2 - transform.offset_y
+    return (a, b, u - a * x - b * y), (d, e, v - d * x - e * y), (0.0, 0.0, 1.0)
+
+
+def transform_of(matrix: Matrix, camera_size: tuple[int, int], programme_size: tuple[int, int]) -> Transform | None:
+    """The transform that shows just ``matrix``; None where none does (it shears, mirrors or has perspective)."""
+    (a, b, _), (d, e, _), (g, h, _) = matrix
+    scale, scale_y = hypot(a, d), hypot(b, e)
+    if abs(g) + abs(h) > 0 or abs(a * b + d * e) > SHEAR * scale * scale_y or a * e - b * d <= 0:
+        return None
+    middle = project(matrix, complex((camera_size[0] - 1) / 2, (camera_size[1] - 1) / 2))
+    assert middle is not None  # an affine map has no horizon
+    return Transform(
+        offset_x=middle.real - (programme_size[0] - 1) / 2,
+        offset_y=(programme_size[1] - 1) / 2 - middle.imag,
+        scale=scale,
+        rotation=atan2(-d, a),
+        scale_y=None if abs(scale_y - scale) < SHEAR * scale else scale_y,
+    )
 
 
 def invert(m: Matrix) -> Matrix:

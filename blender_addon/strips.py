@@ -8,6 +8,9 @@ it lies where our channels are. What differs between Blender 4.5, 5.0 and 5.2 st
 
 from __future__ import annotations
 
+import hashlib
+from array import array
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,13 +19,20 @@ import bpy  # pyright: ignore[reportMissingImports]
 from mcsl_core.errors import BlenderError, InputError
 
 from . import plan as plans
+from .nudges import FoundCamera
 from .plan import CameraTrack, ConformedPiece, OffsetKey, StripPlan
-from .readback import FoundCamera, FoundStrip, SequencerState
+from .readback import AUTOMATIC, FoundStrip, SequencerState
+from .similarity import Transform
+from .switching import Switch
 
 ROLE = "mcsl"
+PLANNED = "mcsl_planned"  # of a camera strip: its transform without any correction
+TRACKS = "mcsl_tracks"  # of the scene: what the camera strips were made from
+KEYS = "mcsl_keys"  # of the scene: the Centering strip's keys as they were written
 REBUILT = ("programme", "centering", "conformed", "sound")  # from the EDL anew; camera strips stay as they are
 HIGHEST_CHANNEL = 128  # Blender has no more
 OVERRIDDEN_COLOUR = "COLOR_03"  # yellow: an editor's decision
+AXES = ("x", "y")
 _CONSTANT, _LINEAR = 0, 1  # Blender's interpolation codes, as foreach_set takes them
 
 # --------------------------------------------------------------------------------------------- version differences
@@ -39,6 +49,11 @@ def ends(strip: Any) -> tuple[int, int]:
     if hasattr(strip, "left_handle"):
         return int(strip.left_handle) - 1, int(strip.right_handle) - 1
     return int(strip.frame_final_start) - 1, int(strip.frame_final_end) - 1
+
+
+def sequencer_scene(context: Any) -> Any:
+    """The scene the sequencer cuts; from 5.0 the workspace names it, and it may be none."""
+    return getattr(context, "sequencer_scene", None) or context.scene
 
 
 def use_sequencer_scene(scene: Any) -> None:
@@ -58,9 +73,7 @@ def build(scene: Any, plan: StripPlan, base: Path) -> list[str]:
     """
     _settings(scene, plan)
     scene.sequence_editor_create()
-    notes = list(plan.notes)
-    for track in plan.cameras:
-        notes.extend(_camera(scene, plan, track, base))
+    notes = [*plan.notes, *_cameras(scene, plan, base)]
     notes.extend(_decided(scene, plan, base))
     for marker in plan.markers:
         scene.timeline_markers.new(marker.name, frame=marker.frame + 1)
@@ -68,15 +81,20 @@ def build(scene: Any, plan: StripPlan, base: Path) -> list[str]:
 
 
 def rebuild(scene: Any, plan: StripPlan, base: Path) -> list[str]:
-    """Programme, Centering, Conformed and sound anew from ``plan``; cameras and the editor's own strips stay.
+    """Programme, Centering, Conformed and sound anew from ``plan``; the editor's own strips stay.
 
-    Where one of the editor's strips lies on our channels, all of them move up together, keeping their order.
+    The camera strips stay as well, unless the EDL's cameras, files or poses are others than when they were made. Where
+    one of the editor's strips lies on our channels, all of them move up together, keeping their order.
     """
     editor = scene.sequence_editor
-    for strip in [s for s in editor.strips if _role(s) in REBUILT or (s.type == "MULTICAM" and not s.mute)]:
+    others = scene.get(TRACKS) not in (None, plans.tracks_key(plan.cameras))
+    cameras = {s["mcsl_camera"] for s in editor.strips if _role(s) == "camera"}
+    gone = (*REBUILT, "camera") if others else REBUILT
+    for strip in [s for s in editor.strips if _role(s) in gone or (s.type == "MULTICAM" and not s.mute)]:
         editor.strips.remove(strip)
     notes = []
-    above = sorted((s for s in editor.strips if not _role(s) and s.channel >= plan.programme_channel), key=_by_channel)
+    lowest = min(plan.programme_channel, plans.FIRST_CAMERA_CHANNEL + len(cameras))  # where ours began, or begin now
+    above = sorted((s for s in editor.strips if not _role(s) and s.channel >= lowest), key=_by_channel)
     if above and (lift := plan.conformed_channel + 1 - above[0].channel) > 0:
         if above[-1].channel + lift > HIGHEST_CHANNEL:
             raise InputError(
@@ -87,6 +105,9 @@ def rebuild(scene: Any, plan: StripPlan, base: Path) -> list[str]:
         for strip in reversed(above):  # the highest first: each finds its new place free
             strip.channel += lift
         notes.append(f"your strips moved up by {lift} channels, to lie above the Conformed channel")
+    if others:
+        notes.append("the EDL has other cameras, files or poses than this timeline: its camera strips were made anew")
+        notes.extend(_cameras(scene, plan, base))
     return notes + _decided(scene, plan, base)
 
 
@@ -106,7 +127,12 @@ def _settings(scene: Any, plan: StripPlan) -> None:
     scene.sequencer_colorspace_settings.name = "sRGB"
 
 
-def _camera(scene: Any, plan: StripPlan, track: CameraTrack, base: Path) -> list[str]:
+def _cameras(scene: Any, plan: StripPlan, base: Path) -> list[str]:
+    scene[TRACKS] = plans.tracks_key(plan.cameras)
+    return [note for track in plan.cameras for note in _camera(scene, track, base)]
+
+
+def _camera(scene: Any, track: CameraTrack, base: Path) -> list[str]:
     """A camera's files, one movie strip each (0.15 s of opening), split at the pieces; what lies between goes."""
     notes = []
     _channel(scene, track.channel, track.camera)
@@ -122,15 +148,31 @@ def _camera(scene: Any, plan: StripPlan, track: CameraTrack, base: Path) -> list
                 gap, strip = strip, _split(strip, piece.range.start)
                 scene.sequence_editor.strips.remove(gap)
             rest = _split(strip, piece.range.stop) if piece.range.stop < stop else None
-            t, to = piece.transform, strip.transform
-            to.offset_x, to.offset_y, to.rotation = t.offset_x, t.offset_y, t.rotation
-            to.scale_x = to.scale_y = t.scale
+            _set_transform(strip, piece.transform)
+            strip[PLANNED] = _numbers(piece.planned)
             if rest is None:
                 break
             strip, start = rest, piece.range.stop
         else:
             scene.sequence_editor.strips.remove(strip)  # what is left lies after the last piece
     return notes
+
+
+def _set_transform(strip: Any, transform: Transform) -> None:
+    to = strip.transform
+    to.offset_x, to.offset_y, to.scale_x, to.scale_y, to.rotation = _numbers(transform)
+
+
+def _numbers(transform: Transform) -> list[float]:
+    """As the property `mcsl_planned` holds it: offset_x, offset_y, scale_x, scale_y, rotation."""
+    t = transform
+    return [t.offset_x, t.offset_y, t.scale, t.height_scale, t.rotation]
+
+
+def _transform(numbers: Sequence[float]) -> Transform:
+    """The inverse of `_numbers`."""
+    x, y, scale, scale_y, rotation = map(float, numbers)
+    return Transform(x, y, scale, rotation, None if scale == scale_y else scale_y)
 
 
 def _split(strip: Any, frame: int) -> Any:
@@ -167,7 +209,10 @@ def _decided(scene: Any, plan: StripPlan, base: Path) -> list[str]:
         strip[ROLE], strip["mcsl_id"], strip["mcsl_automatic"] = "programme", shot.id, shot.automatic
         if shot.overridden:
             strip.color_tag = OVERRIDDEN_COLOUR
-    _centering(scene, plan)
+    strip = new_effect(scene, "Centering", "ADJUSTMENT", plan.centering_channel, 0, plan.frames)
+    strip[ROLE] = "centering"
+    strip.transform.filter = "BILINEAR"
+    center(scene, plan.centering)
     for piece in plan.conformed:
         conformed(scene, piece, plan.conformed_channel, base)
     scene["mcsl_automatic"] = plans.automatic_to_text(plan.automatic)
@@ -216,28 +261,61 @@ def has_sound(scene: Any) -> bool:
     return any(s.type == "SOUND" and not s.mute for s in scene.sequence_editor.strips_all)
 
 
-def _centering(scene: Any, plan: StripPlan) -> None:
-    strip = new_effect(scene, "Centering", "ADJUSTMENT", plan.centering_channel, 0, plan.frames)
-    strip[ROLE] = "centering"
-    strip.transform.filter = "BILINEAR"
-    for axis in ("x", "y"):
-        _keys(scene, f'sequence_editor.strips_all["{strip.name}"].transform.offset_{axis}', plan.centering, axis)
-
-
-def _keys(scene: Any, path: str, keys: tuple[OffsetKey, ...], axis: str) -> None:
-    """An F-curve with all keys at once: 10,000 in 7 ms."""
-    if not keys:
+def center(scene: Any, keys: Sequence[OffsetKey]) -> None:
+    """The Centering strip's keys, in place of those it has: the preview moves at once."""
+    strip = _centering(scene)
+    if strip is None:
         return
-    animation = scene.animation_data_create()
+    for axis in AXES:
+        curve = _curve(scene, strip, axis, make=bool(keys))
+        if curve is None:
+            continue
+        points = curve.keyframe_points
+        points.clear()
+        points.add(len(keys))  # all at once: 10,000 in 7 ms
+        points.foreach_set("co", [number for key in keys for number in (key.frame + 1, getattr(key, axis))])
+        points.foreach_set("interpolation", [_CONSTANT if key.hold else _LINEAR for key in keys])
+        curve.update()
+    if not keys:
+        strip.transform.offset_x = strip.transform.offset_y = 0.0
+    scene[KEYS] = _keys_as_found(scene)
+
+
+def _centering(scene: Any) -> Any:
+    return next((s for s in scene.sequence_editor.strips if _role(s) == "centering"), None)
+
+
+def _curve(scene: Any, strip: Any, axis: str, *, make: bool) -> Any:
+    """The F-curve of the strip's offset, or None where there is none and none is to be made."""
+    path = f'sequence_editor.strips_all["{strip.name}"].transform.offset_{axis}'
+    animation = scene.animation_data_create() if make else scene.animation_data
+    if animation is None:
+        return None
     if animation.action is None:
+        if not make:
+            return None
         animation.action = bpy.data.actions.new("mcsl")
-    curve = animation.action.fcurve_ensure_for_datablock(scene, path)
-    points = curve.keyframe_points
-    points.clear()
-    points.add(len(keys))
-    points.foreach_set("co", [number for key in keys for number in (key.frame + 1, getattr(key, axis))])
-    points.foreach_set("interpolation", [_CONSTANT if key.hold else _LINEAR for key in keys])
-    curve.update()
+    if make:
+        return animation.action.fcurve_ensure_for_datablock(scene, path)
+    for layer in animation.action.layers:
+        for part in layer.strips:
+            bag = part.channelbag(animation.action_slot) if animation.action_slot else None
+            if bag is not None and (curve := bag.fcurves.find(path)) is not None:
+                return curve
+    return None
+
+
+def _keys_as_found(scene: Any) -> str:
+    """A hash of the Centering strip's keys; '' without any."""
+    strip = _centering(scene)
+    values = array("f")
+    for axis in AXES if strip is not None else ():
+        curve = _curve(scene, strip, axis, make=False)
+        if curve is not None:
+            found = array("f", bytes(8 * len(curve.keyframe_points)))
+            curve.keyframe_points.foreach_get("co", found)
+            values.extend(found)
+    return hashlib.sha256(values.tobytes()).hexdigest()[:16] if values else ""
 
 
 def _channel(scene: Any, index: int, name: str) -> None:
@@ -280,18 +358,93 @@ def read(scene: Any) -> SequencerState:
                     muted=strip.mute,
                     centering=_switch(strip, "mcsl_centering"),
                     fill=_switch(strip, "mcsl_fill"),
+                    offset=_offset(strip),
                 )
             )
         elif _role(strip) == "camera":
-            cameras.append(FoundCamera(strip["mcsl_camera"], strip.channel, start, stop))
+            planned = strip.get(PLANNED)
+            t = strip.transform
+            cameras.append(
+                FoundCamera(
+                    camera=strip["mcsl_camera"],
+                    channel=strip.channel,
+                    start=start,
+                    stop=stop,
+                    name=strip.name,
+                    transform=_transform([t.offset_x, t.offset_y, t.scale_x, t.scale_y, t.rotation]),
+                    planned=None if planned is None else _transform(planned),
+                )
+            )
     automatic = scene.get("mcsl_automatic")
     return SequencerState(
         strips=tuple(strips),
         cameras=tuple(cameras),
         automatic=plans.automatic_from_text(automatic) if automatic else None,
+        notes=_remarks(scene),
     )
+
+
+def _remarks(scene: Any) -> tuple[str, ...]:
+    """What an editor did that is not read, for a person."""
+    if scene.get(KEYS, "") not in ("", _keys_as_found(scene)):
+        return (
+            "the Centering strip or its keys were changed by hand, which is not read: to set the centre of a shot, "
+            "use the panel (or the strip's property mcsl_offset)",
+        )
+    return ()
+
+
+def _offset(strip: Any) -> Any:
+    """The strip's centre by hand: two numbers to a thousandth of a pixel, AUTOMATIC, or None."""
+    value = strip.get("mcsl_offset")
+    if value is None or value == AUTOMATIC:
+        return value
+    try:
+        x, y = (round(float(number), 3) for number in value)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"has mcsl_offset {value!r}; two numbers [dx, dy] are expected, or {AUTOMATIC!r}",
+            where=f"strip {strip.name!r}, frame {ends(strip)[0] + 1}",
+            remedy="Correct it among the strip's custom properties, or remove it",
+        ) from error
+    return x, y
 
 
 def _switch(strip: Any, name: str) -> bool | None:
     value = strip.get(name)
     return None if value is None else bool(value)
+
+
+# --------------------------------------------------------------------------------------------------------- by hand
+
+
+def apply_switch(scene: Any, change: Switch) -> None:
+    """Cuts and switches as decided; the part that is shown from now on becomes the active strip, alone selected."""
+    strip = scene.sequence_editor.strips[change.name]
+    if change.split is not None:
+        strip = _split(strip, change.split)
+    strip.multicam_source = change.source
+    for other in scene.sequence_editor.strips:
+        if other.select and other != strip:
+            other.select = False
+    strip.select = True
+    scene.sequence_editor.active_strip = strip
+
+
+def colour(scene: Any, overridden: frozenset[str]) -> None:
+    """Yellow for the strips of these names, none for the other Multicam strips; a colour of the editor's own stays."""
+    for strip in scene.sequence_editor.strips:
+        if strip.type == "MULTICAM" and strip.color_tag in ("NONE", OVERRIDDEN_COLOUR):
+            wanted = OVERRIDDEN_COLOUR if strip.name in overridden else "NONE"
+            if strip.color_tag != wanted:
+                strip.color_tag = wanted
+
+
+def can_be_reset(strip: Any) -> bool:
+    """Whether it is a camera strip that knows its automatic place."""
+    return _role(strip) == "camera" and strip.get(PLANNED) is not None
+
+
+def reset_transform(strip: Any) -> None:
+    """Back to where the analysis placed the camera: pulling then takes the correction away."""
+    _set_transform(strip, _transform(strip[PLANNED]))

@@ -12,7 +12,6 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-import attrs
 import bpy  # pyright: ignore[reportMissingImports]
 
 from mcsl_core import edl as edls
@@ -22,7 +21,7 @@ from mcsl_core.timing import FrameRange
 
 from . import output, scenes, strips
 from .plan import ConformedPiece, StripPlan, make_plan
-from .readback import read_overrides
+from .readback import read_edl
 
 Request = Mapping[str, Any]
 
@@ -45,14 +44,20 @@ def timeline(request: Request, progress: JsonLines) -> dict[str, Any]:
 
 
 def read(request: Request, progress: JsonLines) -> dict[str, Any]:
-    """request: blend. Result: the EDL it names, and that EDL's overrides after the editor's work."""
+    """request: blend. Result: the EDL it names, and that EDL's overrides and corrections after the editor's work."""
     blend = Path(request["blend"])
     scene = _open(blend)
     edl_path = scenes.edl_path(scene, blend)
     edl = edls.load(edl_path)
-    overrides = read_overrides(edl, strips.read(scene))
-    value = edls.to_json(attrs.evolve(edl, overrides=overrides))["overrides"]
-    return {"edl": str(edl_path), "overrides": value, "changed": overrides != edl.overrides}
+    state = strips.read(scene)
+    new = read_edl(edl, state)
+    for note in state.notes:
+        progress.note(note)
+    value = edls.to_json(new)
+    decided = {
+        name: value.get(name, []) for name in ("overrides", "corrections")
+    }  # the document leaves out an empty one
+    return {"edl": str(edl_path), **decided, "changed": new != edl}
 
 
 def refresh(request: Request, progress: JsonLines) -> dict[str, Any]:

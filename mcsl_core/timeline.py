@@ -53,7 +53,7 @@ def build(
 def pull(blend_path: Path, edl_out: Path | None = None, *, blender: Blender, progress: Progress | None = None) -> Edl:
     """Reads the editor's decisions into the EDL that the .blend names, or into a copy of it at ``edl_out``.
 
-    Nothing but the overrides changes; where nothing was decided anew, the file is left as it is, to the byte. Raises
+    Nothing but overrides and corrections changes; where nothing was decided anew, the file is left as it is, to the byte. Raises
     InputError naming strip and frame of what cannot be read; nothing is written then.
     """
     return pull_from(blend_path, edl_out, blender=blender, progress=progress)[1]
@@ -72,7 +72,8 @@ def pull_from(
     target = edl_path if edl_out is None else edl_out
     if found["changed"]:
         value = edls.to_json(edl)
-        edl = edls.from_json({**value, "overrides": found["overrides"]}, where=str(blend_path))
+        decided = {name: found[name] for name in ("overrides", "corrections")}
+        edl = edls.from_json({**value, **decided}, where=str(blend_path))
     if target.resolve() == edl_path.resolve():
         if found["changed"]:
             edls.save(edl, target)

@@ -7,8 +7,9 @@ from fractions import Fraction
 
 import attrs
 
+from blender_addon.nudges import FoundCamera
 from blender_addon.plan import StripPlan
-from blender_addon.readback import FoundCamera, FoundStrip, SequencerState
+from blender_addon.readback import FoundStrip, SequencerState
 from mcsl_core.edl import IDENTITY, Camera, Edl, Media, Pose, Shot
 from mcsl_core.timing import FrameRange
 
@@ -41,7 +42,15 @@ def state_of(plan: StripPlan) -> SequencerState:
             FoundStrip(s.id, plan.programme_channel, s.range.start, s.range.stop, s.source) for s in plan.programme
         ),
         cameras=tuple(
-            FoundCamera(track.camera, track.channel, piece.range.start, piece.range.stop)
+            FoundCamera(
+                camera=track.camera,
+                channel=track.channel,
+                start=piece.range.start,
+                stop=piece.range.stop,
+                name=f"{track.camera}.{piece.range.start}",
+                transform=piece.transform,
+                planned=piece.planned,
+            )
             for track in plan.cameras
             for file in track.files
             for piece in file.pieces

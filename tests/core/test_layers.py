@@ -52,15 +52,15 @@ FLOORS: dict[int, set[str]] = {
         *("contact", "simulation", "demo"),
         *("conform", "programme_sound", "blender", "blender_child", "timeline", "presets", "rendering"),
     },
-    5: {"console", "cli"},
+    5: {"console", "session", "cli"},
 }
 # Those of the table that are packages: their modules stand on their floor.
-PACKAGES = {"movement", "report", "simulation", "sync", "video"}
+PACKAGES = {"filling", "movement", "report", "simulation", "sync", "video"}
 STAGES = 2  # the floor on which modules do not import each other: values pass between them through analysis.py
 
 # Of the add-on, what runs anywhere and what needs Blender.
-ADDON_PURE = {"__init__", "plan", "readback", "similarity", "background"}
-ADDON_BPY = {"operators", "output", "panels", "scenes", "strips", "tasks"}
+ADDON_PURE = {"__init__", "plan", "readback", "nudges", "switching", "similarity", "background"}
+ADDON_BPY = {"by_hand", "operators", "output", "panels", "scenes", "strips", "tasks"}
 
 # Third-party packages with a home: nobody else imports them.
 HOMES = {

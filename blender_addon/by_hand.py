@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cutting by hand: a key or click for each camera, strips set back to their automatic place, colours kept true.
+
+What a press means is decided in switching.py and nudges.py. Blender's own multicam keys take the number of a channel,
+and ours have the sound on channel 1 and the reference camera last; so in an mcsl timeline key n is the EDL's n-th
+camera. In every other scene the operator does not answer, and Blender's own gets the key. No `from __future__ import
+annotations` here: Blender reads the properties from the annotations themselves.
+"""
+
+from typing import ClassVar
+
+import bpy  # pyright: ignore[reportMissingImports]
+
+from mcsl_core.errors import InputError, McslError
+
+from . import scenes, strips, switching
+
+KEYS = ("ONE", "TWO", "THREE", "FOUR", "FIVE", "SIX", "SEVEN", "EIGHT", "NINE")
+COLOUR_DELAY_S = 0.3  # after the last change: dragging a cut is many
+
+
+class MCSL_OT_switch_camera(bpy.types.Operator):
+    """Show this camera from the playhead to the end of the shot; Whole Shot: from its beginning"""
+
+    bl_idname = "mcsl.switch_camera"
+    bl_label = "Switch Camera"
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    number: bpy.props.IntProperty(
+        name="Camera", description="Which of the EDL's cameras, counted from 1", min=0, max=32, default=0
+    )
+    camera: bpy.props.StringProperty(name="Name", description="The camera's name, in place of its number")
+    whole: bpy.props.BoolProperty(name="Whole Shot", description="Change the whole shot in place of cutting it")
+
+    @classmethod
+    def poll(cls, context):
+        scene = strips.sequencer_scene(context)
+        return scene is not None and bool(scene.get("mcsl_edl")) and scene.sequence_editor is not None
+
+    def execute(self, context):
+        scene = strips.sequencer_scene(context)
+        try:
+            camera = self.camera or _nth_camera(scene, self.number)
+            frame = scene.frame_current - 1
+            change = switching.switch(strips.read(scene), frame, camera, whole=self.whole)
+        except McslError as error:
+            self.report({"WARNING"}, str(error))
+            return {"CANCELLED"}
+        if change is None:
+            self.report({"INFO"}, f"{camera} is shown already")
+            return {"CANCELLED"}
+        strips.apply_switch(scene, change)
+        colour_overrides(scene)
+        self.report({"INFO"}, f"{camera} from frame {scene.frame_current}" if change.split is not None else camera)
+        return {"FINISHED"}
+
+
+class MCSL_OT_reset_alignment(bpy.types.Operator):
+    """Set the selected camera strips back to where the analysis placed them"""
+
+    bl_idname = "mcsl.reset_alignment"
+    bl_label = "Reset Alignment"
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        scene = strips.sequencer_scene(context)
+        return scene is not None and any(strips.can_be_reset(s) for s in _selected(scene))
+
+    def execute(self, context):
+        chosen = [s for s in _selected(strips.sequencer_scene(context)) if strips.can_be_reset(s)]
+        for strip in chosen:
+            strips.reset_transform(strip)
+        self.report({"INFO"}, f"{len(chosen)} strip{'s' * (len(chosen) != 1)} set back")
+        return {"FINISHED"}
+
+
+def _selected(scene):
+    return [] if scene.sequence_editor is None else [s for s in scene.sequence_editor.strips if s.select]
+
+
+def _nth_camera(scene, number: int) -> str:
+    names = scenes.camera_names(scene)
+    if not 1 <= number <= len(names):
+        raise InputError(f"there is no camera {number}", remedy=f"There are {len(names)}: {', '.join(names)}")
+    return names[number - 1]
+
+
+# ------------------------------------------------------------------------------------------------------- colours
+
+
+def colour_overrides(scene) -> None:
+    """Yellow where an override holds, as pulling would write it. What cannot be read keeps its colours."""
+    try:
+        names = switching.overridden(scenes.edl_of(scene), strips.read(scene))
+    except McslError:  # pulling will say it; here it would be said with every press
+        return
+    strips.colour(scene, names)
+
+
+def _recolour() -> None:
+    for scene in bpy.data.scenes:
+        if scene.get("mcsl_edl") and scene.sequence_editor is not None:
+            colour_overrides(scene)
+
+
+@bpy.app.handlers.persistent
+def _changed(_scene, depsgraph=None) -> None:
+    """After any change of a scene: look at the colours once it is quiet."""
+    if bpy.app.background or (depsgraph is not None and not depsgraph.id_type_updated("SCENE")):
+        return
+    if bpy.app.timers.is_registered(_recolour):
+        bpy.app.timers.unregister(_recolour)
+    bpy.app.timers.register(_recolour, first_interval=COLOUR_DELAY_S)
+
+
+HANDLERS = ("depsgraph_update_post", "load_post")
+CLASSES = (MCSL_OT_switch_camera, MCSL_OT_reset_alignment)
+_keys: list = []
+
+
+def register() -> None:
+    for kind in CLASSES:
+        bpy.utils.register_class(kind)
+    for name in HANDLERS:
+        getattr(bpy.app.handlers, name).append(_changed)
+    configuration = bpy.context.window_manager.keyconfigs.addon
+    if configuration is None:  # without a window there are no keys
+        return
+    keymap = configuration.keymaps.new(name="Sequencer", space_type="SEQUENCE_EDITOR")
+    for number, key in enumerate(KEYS, 1):
+        item = keymap.keymap_items.new(MCSL_OT_switch_camera.bl_idname, key, "PRESS")
+        item.properties.number = number
+        _keys.append((keymap, item))
+
+
+def unregister() -> None:
+    for keymap, item in _keys:
+        keymap.keymap_items.remove(item)
+    _keys.clear()
+    if bpy.app.timers.is_registered(_recolour):
+        bpy.app.timers.unregister(_recolour)
+    for name in HANDLERS:
+        getattr(bpy.app.handlers, name).remove(_changed)
+    for kind in reversed(CLASSES):
+        bpy.utils.unregister_class(kind)
