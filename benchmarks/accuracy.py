@@ -83,8 +83,8 @@ def judged(made: edl.Edl, truth: Truth) -> dict[str, Any]:
         "true": len(truth.movements),
         "missed": missed,
         "false": false,
-        "start_s": max(starts, default=0.0),
-        "end_s": max(ends, default=0.0),
+        "start_s": max(starts, default=None),
+        "end_s": max(ends, default=None),
         "ratios": ratios,
         "weak": weak,
         "perspectives": len({p.perspective for p in made.poses}),
@@ -299,7 +299,10 @@ def markdown(all_figures: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _movement(v: Mapping[str, Any] | None) -> str:
-    return "not run" if v is None else f"{v['missed']} / {v['false']}; {v['start_s']:.2f}, {v['end_s']:.2f}"
+    if v is None:
+        return "not run"
+    start, end = ("–" if v[name] is None else f"{v[name]:.2f}" for name in ("start_s", "end_s"))
+    return f"{v['missed']} / {v['false']}; {start}, {end}"
 
 
 def _views(v: Mapping[str, Any] | None) -> str:

@@ -10,56 +10,19 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import click
-from rich.console import Console
-from rich.table import Table
 
 from . import __version__
 from .errors import Cancelled, McslError, UsageError
-from .progress import JsonLines, Progress
+from .progress import JsonLines
+from .session import Session
 from .stages import STAGES
 from .timing import parse_rate
 
 PATH = click.Path(path_type=Path)
-
-
-class Session:
-    """What every command shares: how progress is shown, and how the result is told."""
-
-    def __init__(self, progress: str, debug: bool) -> None:
-        self.debug = debug
-        self.out = Console(highlight=False, soft_wrap=True)
-        self.err = Console(stderr=True, highlight=False)
-        terminal = "bar" if sys.stderr.isatty() else "lines"
-        self.mode = terminal if progress == "auto" else progress
-        self.json = JsonLines(sys.stdout) if self.mode == "json" else None
-
-    @contextlib.contextmanager
-    def progress(self) -> Iterator[Progress]:
-        """The progress of one piece of long work."""
-        from .console import Bars, Lines
-        from .progress import Silent
-
-        if self.json:
-            yield self.json
-        elif self.mode == "bar":
-            with Bars(self.err) as bars:
-                yield bars
-        elif self.mode == "lines":
-            yield Lines(lambda line: print(line, file=sys.stderr, flush=True))
-        else:
-            yield Silent()
-
-    def result(self, values: Mapping[str, Any], text: str) -> None:
-        """The end of a success: ``values`` for programs, ``text`` for people."""
-        if self.json:
-            self.json.result(values)
-        else:
-            self.out.print(text)
 
 
 class Commands(click.Group):
@@ -350,6 +313,7 @@ def report(session: Session, edl: Path, out: Path, figures: Path | None) -> None
 @click.pass_obj
 def list_plugins(session: Session, as_json: bool) -> None:
     """List what can do each stage, built in or installed."""
+    from .console import offers_table
     from .plugins import discover
 
     offers = discover().offers
@@ -367,13 +331,7 @@ def list_plugins(session: Session, as_json: bool) -> None:
         ]
         click.echo(json.dumps(rows, indent=2, ensure_ascii=False))
         return
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for heading in ("stage", "name", "from", "what it does"):
-        table.add_column(heading, overflow="fold")
-    for offer in offers:
-        mark = " [dim](default)[/]" if STAGES[offer.stage].default == offer.name else ""
-        table.add_row(offer.stage, offer.name + mark, f"{offer.package} {offer.version}", offer.summary)
-    session.out.print(table)
+    session.out.print(offers_table(offers))
 
 
 @cli.group("blender", cls=Commands, invoke_without_command=True)

@@ -24,9 +24,11 @@ from rich.table import Table
 from rich.text import Text
 
 from .progress import CancelToken
+from .stages import STAGES
 
 if TYPE_CHECKING:  # they import scipy and OpenCV, and bars must not wait for that
     from .figures import Evaluation
+    from .plugins import Offer
     from .study import Result
 
 
@@ -172,3 +174,14 @@ def study_table(results: Sequence[Result]) -> Group:
             numbers = [f"{w.statistic:g}", p, f"{w.p_holm:.4f}", f"{w.effect:+.2f}"]
             table.add_row(r.video, r.factor, f"{w.a} - {w.b}", str(w.n), *numbers)
     return Group(table, "", foot)
+
+
+def offers_table(offers: Sequence[Offer]) -> Table:
+    """What can do each stage, the defaults marked."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for heading in ("stage", "name", "from", "what it does"):
+        table.add_column(heading, overflow="fold")
+    for offer in offers:
+        mark = " [dim](default)[/]" if STAGES[offer.stage].default == offer.name else ""
+        table.add_row(offer.stage, offer.name + mark, f"{offer.package} {offer.version}", offer.summary)
+    return table
