@@ -81,14 +81,27 @@ def as_matrix(gains: NDArray[np.float64], offsets: NDArray[np.float64]) -> Colou
 
 
 def apply(planes: Planes, colour: Colour) -> Planes:
-    """``planes`` with ``colour`` applied to every pixel; chroma's share of Y' is interpolated to its pixels."""
-    matrix = np.array(colour.matrix)
+    """``planes`` with ``colour`` applied to every pixel, exact to a code: chroma where it lies, Y' with chroma's share.
+
+    One `cv2.transform` of three channels to three, which alone of its kind is vectorised (0.3 ms for the half-size
+    planes at 1080p; to two channels 2.3), makes the new chroma and that share. The share fills its 8 bits, so that
+    rounding and interpolating it cost a fraction of a code.
+    """
     y, u, v = planes
-    share = cv2.transform(cv2.merge([u, v]), np.array([[*matrix[0, 1:3], matrix[0, 3] + 128]]), None)
-    share = upsample_chroma(
-        np.asarray(share, np.uint8).reshape(u.shape)
-    )  # an 8-bit share around 128: rounding of half a code at most
-    new_y = cv2.addWeighted(y, float(matrix[0, 0]), share, 1.0, -128.0)
-    small_y = cv2.resize(y, (u.shape[1], u.shape[0]), interpolation=cv2.INTER_AREA)
-    new_u, new_v = cv2.split(cv2.transform(cv2.merge([small_y, u, v]), matrix[1:]))
+    luma, chroma = np.array(colour.matrix[0]), np.array(colour.matrix[1:])
+    fill = min(16.0, 127 / max(128 * float(np.abs(luma[1:3]).sum()), 1e-9))
+    share = fill * luma[1:3]
+    rows = np.array([[0.0, *share, 128 - 128 * share.sum()], *chroma])
+    share_of_y, new_u, new_v = cv2.split(cv2.transform(cv2.merge([_at_chroma(y), u, v]), rows))
+    rest = luma[3] + 128 * float(luma[1:3].sum()) - 128 / fill
+    new_y = cv2.addWeighted(y, float(luma[0]), upsample_chroma(np.asarray(share_of_y, np.uint8)), 1 / fill, rest)
     return Planes(new_y, new_u, new_v)  # pyright: ignore[reportArgumentType]
+
+
+def _at_chroma(y: U8) -> U8:
+    """(H / 2, W / 2): luma where the chroma samples lie, [1 2 1] / 4 of the columns around them."""
+    height, width = y.shape[0] // 2, y.shape[1] // 2
+    small = cv2.resize(y, (width, height), interpolation=cv2.INTER_AREA)
+    left = cv2.resize(y[:, 1:-1], (width - 1, height), interpolation=cv2.INTER_AREA)
+    cv2.addWeighted(small[:, 1:], 0.5, left, 0.5, 0, dst=small[:, 1:])
+    return small  # pyright: ignore[reportReturnType]

@@ -8,6 +8,7 @@ between two luma rows. Pixel centres lie at integers (OpenCV's convention).
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import cv2
 import numpy as np
@@ -121,17 +122,16 @@ def _resize_plane(plane: U8, size: tuple[int, int]) -> U8:
 
 
 def upsample_chroma(plane: U8) -> U8:
-    """A (H/2, W/2) chroma plane at luma positions, linear, from where MPEG-2 siting puts its samples."""
+    """A (H/2, W/2) chroma plane at luma positions, linear, from where MPEG-2 siting puts its samples.
+
+    Luma x lies at chroma x / 2, luma y at chroma (y - 0.5) / 2: the rows are what `cv2.resize` makes of them, even
+    columns are samples and odd ones the middle of two. 0.7 ms at 1080p, where a warp takes 3.9.
+    """
     height, width = plane.shape
-    # luma x -> chroma x / 2; luma y -> chroma (y - 0.5) / 2
-    matrix = np.array([[0.5, 0, 0], [0, 0.5, -0.25]])
-    return cv2.warpAffine(  # pyright: ignore[reportReturnType]
-        plane,
-        matrix,
-        (2 * width, 2 * height),
-        flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
-        borderMode=cv2.BORDER_REPLICATE,
-    )
+    even = cv2.resize(plane, (width, 2 * height), interpolation=cv2.INTER_LINEAR)
+    odd = even.copy()  # the last column has no follower
+    cv2.addWeighted(even[:, :-1], 0.5, even[:, 1:], 0.5, 0, dst=odd[:, :-1])
+    return cv2.merge([even, odd]).reshape(2 * height, 2 * width)  # pyright: ignore[reportReturnType]
 
 
 def resize_planes(planes: Planes, size: tuple[int, int]) -> Planes:
@@ -162,6 +162,20 @@ def turn_planes(planes: Planes, degrees: int) -> Planes:
         )
 
     return Planes(cv2.rotate(planes.y, code), chroma(planes.u), chroma(planes.v))  # pyright: ignore
+
+
+def blurred(planes: Planes, sigma_px: float) -> Planes:
+    """``planes`` under a Gaussian of ``sigma_px`` luma pixels."""
+    sigmas = (sigma_px, sigma_px / 2, sigma_px / 2)
+    y, u, v = (cv2.GaussianBlur(plane, (0, 0), sigma) for plane, sigma in zip(planes, sigmas, strict=True))
+    return Planes(y, u, v)  # pyright: ignore[reportArgumentType]
+
+
+def median_planes(pictures: Sequence[Planes]) -> Planes:
+    """The median of each sample over ``pictures`` of one size; of an even number the lower one."""
+    middle = (len(pictures) - 1) // 2
+    y, u, v = (np.partition(np.stack(planes), middle, axis=0)[middle] for planes in zip(*pictures, strict=True))
+    return Planes(y, u, v)
 
 
 def psnr(a: NDArray, b: NDArray, mask: NDArray | None = None) -> float:

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from mcsl_core.colour import IDENTITY, apply, as_matrix, match
-from mcsl_core.images import bgr_to_planes, planes_to_bgr, psnr
+from mcsl_core.images import Planes, bgr_to_planes, planes_to_bgr, psnr, upsample_chroma
 
 
 def scene(seed=0, size=(320, 240)):
@@ -75,16 +75,59 @@ def test_flat_pictures_are_matched_by_offset():
     assert np.abs(matched.astype(int) - 120).max() <= 2
 
 
-def test_apply_is_the_matrix_at_every_pixel():
-    """Against the matrix on full-resolution codes, on a picture without fine chroma."""
+def luma_sized(chroma):
+    """Chroma at luma positions by MPEG-2 siting: columns lie on even luma columns, rows between two luma rows."""
+    height = len(chroma)
+    at = (np.arange(2 * height) - 0.5) / 2
+    top = np.floor(at).astype(int)
+    part = (at - top)[:, None]
+    rows = (1 - part) * chroma[top.clip(0)] + part * chroma[(top + 1).clip(max=height - 1)]
+    out = np.repeat(rows, 2, axis=1)
+    out[:, 1:-1:2] = (rows[:, :-1] + rows[:, 1:]) / 2
+    return out
+
+
+def chroma_sized(y):
+    rows = (y[::2] + y[1::2]) / 2
+    mirrored = np.concatenate([rows[:, 1:2], rows], axis=1)
+    return ((mirrored[:, :-2] + 2 * mirrored[:, 1:-1] + mirrored[:, 2:]) / 4)[:, ::2]
+
+
+@pytest.mark.parametrize(
+    ("gains", "offsets", "most"),
+    [
+        ((1.04, 0.97, 1.02), (-2, 1, 3), 1),
+        ((1.3, 0.9, 0.8), (-5, 10, 3), 1),
+        ((0.5, 1.2, 1.9), (10, 0, 0), 1),
+        ((2, 0.5, 2), (0, 20, -20), 1.5),  # as far as a match may go: chroma's share of Y' no longer fits 8 bits finely
+    ],
+)
+@pytest.mark.parametrize("noise", [False, True])
+def test_apply_is_the_matrix_at_every_pixel_to_a_code(gains, offsets, most, noise):
+    """In float64, every plane where it lies, also on codes without any likeness between neighbours."""
     planes = bgr_to_planes(scene(3))
-    colour = as_matrix(np.array([1.3, 0.9, 0.8]), np.array([-5.0, 10.0, 3.0]))
-    found = apply(planes, colour)
-    small = cv2.resize(planes.y, planes.u.shape[::-1], interpolation=cv2.INTER_AREA).astype(float)
-    matrix = np.array(colour.matrix)
-    stacked = np.stack([small, planes.u, planes.v, np.ones_like(small)])
-    expected = np.einsum("ij,jhw->ihw", matrix, stacked)
-    assert np.abs(found.u - expected[1].clip(0, 255)).max() <= 1
-    assert np.abs(found.v - expected[2].clip(0, 255)).max() <= 1
-    found_small = cv2.resize(found.y, planes.u.shape[::-1], interpolation=cv2.INTER_AREA)
-    assert np.abs(found_small - expected[0].clip(0, 255)).mean() < 1
+    if noise:
+        rng = np.random.default_rng(4)
+        planes = Planes(*(rng.integers(16, 236, plane.shape, dtype=np.uint8) for plane in planes))
+    m = np.array(as_matrix(np.array(gains), np.array(offsets, float)).matrix)
+    y, u, v = (plane.astype(float) for plane in planes)
+    expected = [m[0, 0] * y + m[0, 1] * luma_sized(u) + m[0, 2] * luma_sized(v) + m[0, 3]]
+    expected += [m[i, 0] * chroma_sized(y) + m[i, 1] * u + m[i, 2] * v + m[i, 3] for i in (1, 2)]
+    for found, wanted in zip(
+        apply(planes, as_matrix(np.array(gains), np.array(offsets, float))), expected, strict=True
+    ):
+        error = found - wanted.clip(0, 255)
+        assert np.abs(error).max() <= most
+        assert abs(error.mean()) < 0.15  # no shift
+
+
+def test_the_identity_changes_no_bit():
+    rng = np.random.default_rng(4)
+    planes = Planes(*(rng.integers(0, 256, shape, dtype=np.uint8) for shape in ((64, 96), (32, 48), (32, 48))))
+    for found, plane in zip(apply(planes, IDENTITY), planes, strict=True):
+        assert np.array_equal(found, plane)
+
+
+def test_chroma_is_enlarged_from_where_it_lies():
+    plane = np.random.default_rng(5).integers(0, 256, (30, 44), dtype=np.uint8)
+    assert np.abs(upsample_chroma(plane) - luma_sized(plane.astype(float))).max() <= 1  # rounded twice
