@@ -87,7 +87,7 @@ def demo(session: Session, folder: Path | None, seed: int, blender: str | None) 
 @click.option("--rate", default="30000/1001", show_default=True, help="Frames per second.")
 @click.option("--cameras", default=5, show_default=True)
 @click.option("--movements", default=1, show_default=True, help="How often the lamp is moved.")
-@click.option("--drape", type=click.Choice(["green", "blue", "white"]), default="green", show_default=True)
+@click.option("--drape", type=click.Choice(["green", "blue", "white", "skin"]), default="green", show_default=True)
 @click.option("--skin", type=click.Choice(["light", "medium", "dark"]), default="light", show_default=True)
 @click.option("--gloves", type=click.Choice(["white", "blue", "skin"]), default="white", show_default=True)
 @click.pass_obj

@@ -18,7 +18,12 @@ GLOVES = {
     "skin": (0.50, 0.62, 0.78),
     "green": (0.50, 0.58, 0.30),
 }
-GOWNS = {"green": (0.38, 0.46, 0.20), "blue": (0.55, 0.36, 0.17), "white": (0.55, 0.40, 0.22)}
+GOWNS = {
+    "green": (0.38, 0.46, 0.20),
+    "blue": (0.55, 0.36, 0.17),
+    "white": (0.55, 0.40, 0.22),
+    "skin": (0.40, 0.53, 0.70),
+}
 GRIPS = 5
 """How many steps there are between a closed and an open grip."""
 TIP_DROP_MM = 20.0

@@ -13,8 +13,13 @@ from .paint import bgr, clouds, mix, smoothstep, streaks, warp_by, waves
 from .scenario import Scenario
 from .surface import Site
 
-COLOURS = {"green": (0.36, 0.46, 0.17), "blue": (0.60, 0.37, 0.16), "white": (0.70, 0.71, 0.68)}
-"""Cloth, BGR, as it looks in full light."""
+COLOURS = {
+    "green": (0.36, 0.46, 0.17),
+    "blue": (0.60, 0.37, 0.16),
+    "white": (0.70, 0.71, 0.68),
+    "skin": (0.42, 0.55, 0.72),
+}
+"""Cloth, BGR, as it looks in full light; "skin" has the skin's hue, so that hue tells nothing."""
 
 
 def weave(rng: np.random.Generator, side: int, angle: float) -> NDArray:

@@ -12,7 +12,7 @@ from fractions import Fraction
 import attrs
 import numpy as np
 
-DRAPES = ("green", "blue", "white")
+DRAPES = ("green", "blue", "white", "skin")
 SKINS = ("light", "medium", "dark")
 GLOVES = ("white", "blue", "skin", "green")
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from mcsl_core.errors import Cancelled, DocumentError
+from mcsl_core.images import hue_mask, planes_to_bgr
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import (
     Scenario,
@@ -304,3 +305,19 @@ def test_movements_by_chance_keep_apart():
         assert edges[0] > 30
         assert edges[-1] < 89 * 30
         assert all(b - a > 30 for a, b in zip(edges[1::2], edges[2::2], strict=False))
+
+
+@pytest.mark.parametrize(("drape", "least", "most"), [("skin", 0.8, 1.0), ("green", 0.0, 0.5)])
+def test_by_hue_a_drape_of_the_skins_colour_cannot_be_told_from_the_field(tmp_path, drape, least, most):
+    scenario = Scenario(
+        seed=6, duration_s=0.5, size=(320, 180), cameras=1, movements=0, heads=0, hands=0, drape=drape, audio=False
+    )
+    simulate(scenario, tmp_path, Silent())
+    facts = probe(tmp_path / "cam1.mp4")
+    reader = VideoReader(facts)
+    try:
+        _, frame = next(iter(reader.read(Fraction(0))))
+        picture = planes_to_bgr(to_planes(frame, facts))
+    finally:
+        reader.close()
+    assert least <= (hue_mask(picture) > 0).mean() <= most
