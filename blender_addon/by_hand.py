@@ -26,11 +26,21 @@ class MCSL_OT_switch_camera(bpy.types.Operator):
     bl_label = "Switch Camera"
     bl_options: ClassVar = {"REGISTER", "UNDO"}
 
+    # SKIP_SAVE: without it a click on "whole shot" would hold for the next key as well
     number: bpy.props.IntProperty(
-        name="Camera", description="Which of the EDL's cameras, counted from 1", min=0, max=32, default=0
+        name="Camera",
+        description="Which of the EDL's cameras, counted from 1",
+        min=0,
+        max=32,
+        default=0,
+        options={"SKIP_SAVE"},
     )
-    camera: bpy.props.StringProperty(name="Name", description="The camera's name, in place of its number")
-    whole: bpy.props.BoolProperty(name="Whole Shot", description="Change the whole shot in place of cutting it")
+    camera: bpy.props.StringProperty(
+        name="Name", description="The camera's name, in place of its number", options={"SKIP_SAVE"}
+    )
+    whole: bpy.props.BoolProperty(
+        name="Whole Shot", description="Change the whole shot in place of cutting it", options={"SKIP_SAVE"}
+    )
 
     @classmethod
     def poll(cls, context):
