@@ -35,19 +35,31 @@ class Described:
         return find(name, self.module)
 
 
+def file_of(module: str) -> Path:
+    path = PACKAGE.joinpath(*module.split("."))
+    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+
+
 @cache
-def module_ast(name: str) -> ast.Module:
-    return ast.parse((PACKAGE / f"{name}.py").read_text("utf-8"))
+def module_ast(module: str) -> ast.Module:
+    return ast.parse(file_of(module).read_text("utf-8"))
+
+
+def imported(node: ast.ImportFrom, module: str) -> str:
+    """The module of mcsl_core that ``node``, a relative import standing in ``module``, takes from."""
+    parts = module.split(".")
+    inside = parts if file_of(module).name == "__init__.py" else parts[:-1]
+    return ".".join([*inside[: len(inside) + 1 - node.level], node.module or ""])
 
 
 def find(name: str, module: str) -> Described | None:
     for node in module_ast(module).body:
         if isinstance(node, ast.ClassDef) and node.name == name:
             return Described(node, module)
-        if not isinstance(node, ast.ImportFrom) or node.level != 1 or not node.module:
+        if not isinstance(node, ast.ImportFrom) or not node.level or not node.module:
             continue
         if any((alias.asname or alias.name) == name for alias in node.names):
-            return find(name, node.module)
+            return find(name, imported(node, module))
     return None
 
 

@@ -7,8 +7,10 @@ translate(centering offset) @ anchor @ homography, composed in float64.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Sequence
+from bisect import bisect_right
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import ExitStack, closing
+from itertools import chain
 
 import attrs
 import cv2
@@ -19,16 +21,18 @@ from numpy.typing import NDArray
 from .colour import apply
 from .decisions import Decision, fitted, placed, resolve, shift_at
 from .edl import Edl, Look, Pose
-from .filling import Filler, FootprintFiller, Rect
+from .filling import Filler, FootprintFiller, Rect, viewpoint_difference
 from .footage import Footage, Player
-from .images import BLACK, U8, Planes, black
+from .images import BLACK, U8, Planes, black, blurred, median_planes
 from .timing import FrameRange
 
-VERSION = 1  # rises when the same EDL and media come out differently: conformed chunks are then made again
+VERSION = 2  # rises when the same EDL and media come out differently: conformed chunks are then made again
 # Chroma sample (i, j) lies at luma (2i, 2j + 1/2): MPEG-2's siting, which H.264 and HEVC have by default.
 _CHROMA = np.array([[2.0, 0, 0], [0, 2.0, 0.5], [0, 0, 1]])
 _FROM_CHROMA = np.linalg.inv(_CHROMA)
+BLOCK_S = 10  # conformed chunks, and what a filler that remembers begins anew, lie on one grid
 _GRID = 4.0  # footprints are worked out anew when the centering has moved by this many pixels
+_KEPT_BYTES = 48_000_000  # of warped looks at other moments, which come again frame after frame
 
 Matrix = NDArray[np.float64]
 
@@ -73,6 +77,52 @@ def footprint(size: tuple[int, int], matrix: Matrix, programme: tuple[int, int])
     return cv2.warpPerspective(inside, chroma, half, flags=cv2.INTER_NEAREST)  # pyright: ignore[reportReturnType]
 
 
+def still_range(edl: Edl, pose: Pose) -> FrameRange:
+    """The stretch of ``pose`` in which the lamp stands still; all of it where it never does."""
+    start, stop = pose.range.start, pose.range.stop
+    for movement in edl.movements:
+        if start in movement.range:
+            start = movement.range.stop
+        if stop - 1 in movement.range:
+            stop = movement.range.start
+    return FrameRange(start, stop) if start < stop else pose.range
+
+
+def elsewhere(edl: Edl, number: int) -> tuple[int, ...]:
+    """The other poses of the perspective of pose ``number``: earlier ones, the latest first, then later ones."""
+    same = [i for i, pose in enumerate(edl.poses) if pose.perspective == edl.poses[number].perspective]
+    return (*(i for i in reversed(same) if i < number), *(i for i in same if i > number))
+
+
+def covered(edl: Edl, pose: Pose, offsets: Sequence[tuple[float, float]]) -> bool:
+    """Whether some camera of ``pose`` sees every programme pixel, under all ``offsets`` and what lies between them."""
+    scale = 1 / 8
+    (left, right), (top, bottom) = ((min(v), max(v)) for v in zip(*offsets, strict=True))
+    size = tuple(int((v + b - a) * scale) + 2 for v, a, b in zip(edl.size, (left, top), (right, bottom), strict=True))
+    to_grid = np.diag([scale, scale, 1.0]) @ translation(right, bottom)
+    seen = np.zeros(size[::-1], np.uint8)
+    for camera in edl.cameras:
+        if placed(edl, pose, camera.name) is not None:
+            ones = np.full((camera.size[1] // 8, camera.size[0] // 8), 255, np.uint8)
+            matrix = to_grid @ programme_matrix(edl, pose, camera.name) @ np.diag([8.0, 8.0, 1.0])
+            mask = cv2.warpPerspective(ones, matrix, size, flags=cv2.INTER_NEAREST)
+            seen |= np.asarray(cv2.erode(mask, np.ones((3, 3), np.uint8), borderType=cv2.BORDER_REPLICATE), np.uint8)
+    return bool(seen.all())
+
+
+def remembered(start: int) -> tuple[int, ...]:
+    """The frames by which the memory of a block from ``start`` on is made: 1, 2, 4, 8, ... before it, in order.
+
+    What was seen long ago stays, at the cost of a handful of frames, and wherever one begins the memory is the same.
+    """
+    return tuple(start - (1 << k) for k in reversed(range(start.bit_length())))
+
+
+def block_frames(edl: Edl) -> int:
+    """Frames in a block of the programme: a conformed chunk, or what a filler that remembers makes in one go."""
+    return max(1, round(BLOCK_S * edl.rate))
+
+
 @frozen(eq=False)
 class _View:
     """One programme frame before filling; see `filling.View`. Looks at other cameras only when asked to."""
@@ -81,39 +131,98 @@ class _View:
     frame: int
     camera: str
     front: Planes
-    others: Sequence[str]
-    geometry: Hashable
-    pose: Pose
+    number: int
     offset: tuple[float, float]
     colour: bool
     previous: Planes | None = field(default=None)
 
     @property
+    def rate(self) -> float:
+        return float(self.compositor.edl.rate)
+
+    @property
     def size(self) -> tuple[int, int]:
         return self.compositor.edl.size
 
-    def footprint(self, camera: str) -> U8:
+    @property
+    def others(self) -> Sequence[str]:
+        return self.compositor.others(self.number, self.camera)
+
+    @property
+    def still(self) -> FrameRange:
+        return self.compositor.still[self.number]
+
+    @property
+    def elsewhere(self) -> Sequence[FrameRange]:
+        return [self.compositor.still[i] for i in elsewhere(self.compositor.edl, self.number)]
+
+    @property
+    def geometry(self) -> Hashable:
+        return self.number, self.camera, *(round(v / _GRID) for v in self.offset)
+
+    def footprint(self, camera: str, frame: int | None = None) -> U8:
         edl = self.compositor.edl
+        pose = edl.poses[self.number] if frame is None else edl.pose_at(frame)
+        if placed(edl, pose, camera) is None:
+            return np.zeros((edl.size[1] // 2, edl.size[0] // 2), np.uint8)
         dx, dy = (round(v / _GRID) * _GRID for v in self.offset)
-        mask = footprint(edl.camera(camera).size, programme_matrix(edl, self.pose, camera, (dx, dy)), edl.size)
+        mask = footprint(edl.camera(camera).size, programme_matrix(edl, pose, camera, (dx, dy)), edl.size)
         if (dx, dy) != self.offset:  # shared by offsets up to half the grid away: seen by all of them
             mask = cv2.erode(mask, np.ones((3, 3), np.uint8), borderType=cv2.BORDER_REPLICATE)
         return mask  # pyright: ignore[reportReturnType]
 
-    def look(self, camera: str, rect: Rect) -> Planes | None:
-        planes = self.compositor.picture(camera, self.frame)
+    def look(self, camera: str, rect: Rect, moments: Sequence[int] = (), blur_px: float = 0.0) -> Planes | None:
+        if not moments:
+            planes = self._look(camera, rect, self.compositor.picture(camera, self.frame), self.number)
+            return planes if planes is None or not blur_px else blurred(planes, blur_px)
+        key = camera, rect, tuple(moments), blur_px, self.offset, self.colour
+        return self.compositor.patches.of(key, lambda: self._median(camera, rect, moments, blur_px))
+
+    def _median(self, camera: str, rect: Rect, moments: Sequence[int], blur_px: float) -> Planes | None:
+        number = self.compositor.pose_number(moments[0])
+        if placed(self.compositor.edl, self.compositor.edl.poses[number], camera) is None:
+            return None
+        border = 2 * round(1.5 * blur_px)
+        wide = rect.grown(border)
+        pictures = (self.compositor.footage.moment(camera, frame) for frame in moments)
+        looks = [look for picture in pictures if (look := self._look(camera, wide, picture, number)) is not None]
+        if not looks:
+            return None
+        planes = looks[0] if len(looks) == 1 else median_planes(looks)
+        return Rect(border, border, rect.width, rect.height).of(blurred(planes, blur_px)) if border else planes
+
+    def _look(self, camera: str, rect: Rect, planes: Planes | None, number: int) -> Planes | None:
         if planes is None:
             return None
-        patch = warp_planes(planes, programme_matrix(self.compositor.edl, self.pose, camera, self.offset), rect)
-        match = self.pose.colour.get(camera) if self.colour else None
+        pose = self.compositor.edl.poses[number]
+        patch = warp_planes(planes, programme_matrix(self.compositor.edl, pose, camera, self.offset), rect)
+        match = pose.colour.get(camera) if self.colour else None
         return patch if match is None else apply(patch, match)
+
+
+class _Patches:
+    """Looks at other moments: while the programme stands still they are the same for every frame."""
+
+    def __init__(self) -> None:
+        self._kept: dict[Hashable, Planes | None] = {}
+        self._bytes = 0
+
+    def of(self, key: Hashable, make: Callable[[], Planes | None]) -> Planes | None:
+        if key not in self._kept:
+            if self._bytes > _KEPT_BYTES:
+                self._kept.clear()
+                self._bytes = 0
+            found = self._kept[key] = make()
+            self._bytes += 0 if found is None else found.y.size * 3 // 2
+        return self._kept[key]
 
 
 class Compositor:
     """Makes programme frames from an EDL and its footage. For one thread; close it, or use it as a context manager.
 
-    filler: fills what the chosen camera does not reach (`FootprintFiller` by default). look: in place of the EDL's
-    look and of the overrides' looks, for a comparison with or without the aids.
+    A frame depends on its number and the EDL alone, not on the stretch it is made in. filler: fills what the chosen
+    camera does not reach (`FootprintFiller` by default). look: in place of the EDL's look and of the overrides' looks,
+    for a comparison with or without the aids.
     """
 
     def __init__(self, edl: Edl, footage: Footage, *, filler: Filler | None = None, look: Look | None = None) -> None:
@@ -124,6 +233,9 @@ class Compositor:
             for number, pose in enumerate(edl.poses)
             if (part := piece.intersection(pose.range))
         )
+        self.still = tuple(still_range(edl, pose) for pose in edl.poses)
+        self.patches = _Patches()
+        self._others: dict[tuple[int, str], tuple[str, ...]] = {}
         self._stack = ExitStack()
         self._players: dict[str, Player] = {}
 
@@ -144,21 +256,42 @@ class Compositor:
             self._players[camera] = self._stack.enter_context(closing(self.footage.player(camera)))
         return self._players[camera].at(frame)
 
+    def pose_number(self, frame: int) -> int:
+        return bisect_right(self.edl.poses, frame, key=lambda pose: pose.range.start) - 1
+
+    def others(self, number: int, camera: str) -> tuple[str, ...]:
+        """Who may stand in for ``camera`` in a pose: the reference, then by closeness of viewpoint."""
+        key = number, camera
+        if key not in self._others:
+            edl, pose = self.edl, self.edl.poses[number]
+            front, size = programme_matrix(edl, pose, camera), edl.camera(camera).size
+            known = [c.name for c in edl.cameras if c.name != camera and placed(edl, pose, c.name) is not None]
+
+            def apart(name: str) -> tuple[bool, float]:
+                return name != edl.reference, viewpoint_difference(front, programme_matrix(edl, pose, name), size)
+
+            self._others[key] = tuple(sorted(known, key=apart))
+        return self._others[key]
+
     def frames(self, piece: FrameRange) -> Iterator[Planes]:
         """The programme's pictures over ``piece``, of the programme's size. Treat as read-only."""
         previous: Planes | None = None
-        first = max(0, piece.start - self.filler.memory_frames)
+        block = block_frames(self.edl)
         try:
-            for stretch, decision, pose in self._stretches:
-                part = stretch.intersection(FrameRange(first, piece.stop))
-                for frame in part or ():
-                    planes = self._frame(frame, decision, pose, previous)
-                    if self.filler.memory_frames:
-                        previous = planes
-                    if frame >= piece.start:
-                        yield planes
+            for frame in piece:
+                if self.filler.remembers and (frame == piece.start or frame % block == 0):
+                    previous = None
+                    start = frame - frame % block
+                    for before in chain(remembered(start), range(start, frame)):
+                        previous = self._at(before, previous)
+                previous = self._at(frame, previous if self.filler.remembers else None)
+                yield previous
         finally:
             self.close()
+
+    def _at(self, frame: int, previous: Planes | None) -> Planes:
+        _, decision, number = self._stretches[bisect_right(self._stretches, frame, key=lambda s: s[0].start) - 1]
+        return self._frame(frame, decision, number, previous)
 
     def _frame(self, frame: int, decision: Decision, number: int, previous: Planes | None) -> Planes:
         edl, pose = self.edl, self.edl.poses[number]
@@ -175,14 +308,9 @@ class Compositor:
             planes = apply(planes, match)
         whole = Rect(0, 0, *edl.size)
         front = warp_planes(planes, programme_matrix(edl, pose, camera, offset), whole)
-        known = [c.name for c in edl.cameras if placed(edl, pose, c.name) is not None]
-        if not decision.fill or camera not in known:
+        if not decision.fill or placed(edl, pose, camera) is None:
             return front
-        others = sorted((name for name in known if name != camera), key=lambda name: name != edl.reference)
-        grid = (round(offset[0] / _GRID), round(offset[1] / _GRID))
-        geometry = (number, camera, grid)
-        view = _View(self, frame, camera, front, others, geometry, pose, offset, decision.colour, previous)
-        return self.filler.fill(view)
+        return self.filler.fill(_View(self, frame, camera, front, number, offset, decision.colour, previous))
 
 
 def _looked(decision: Decision, look: Look | None) -> Decision:

@@ -17,6 +17,7 @@ from collections.abc import Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from fractions import Fraction
 from functools import lru_cache
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,7 @@ from attrs import frozen
 
 from . import compositor as compositing
 from .compositor import Compositor
-from .decisions import offset_at, placed, resolve
+from .decisions import Decision, offset_at, placed, resolve, shift_at
 from .documents import canonical_json
 from .edl import Camera, Edl
 from .errors import Cancelled, UsageError
@@ -40,7 +41,7 @@ from .timing import FrameRange, merge_equal
 from .video import Encoding, VideoWriter
 
 VERSION = 1  # rises when chunks come out differently for a reason that no key holds
-CHUNK_S = 10
+CHUNK_S = compositing.BLOCK_S
 KEYFRAMES = 15  # scrubbing in Blender decodes from the keyframe before: 15 frames are 0.1 s
 # No B-frames: a tenth larger, but decoding order is showing order, which every player seeks right.
 INTERMEDIATE = Encoding(options={"preset": "superfast", "crf": "14", "bf": "0"})
@@ -117,13 +118,35 @@ def plan(edl: Edl, base: Path, *, filler: Filler | None = None, encoding: Encodi
             content[name] = [name, content_of(camera, base), list(camera.size), clock, gaps]
         return content[name]
 
+    def around(number: int, decision: Decision, part: FrameRange) -> Any:
+        """Where the fill may look beside the frame itself; at other poses only where this one leaves something open."""
+        pose = edl.poses[number]
+        still = compositing.still_range(edl, pose)
+        offsets = tuple(shift_at(edl, decision, row[0]) for row in _offsets(edl, part))
+        key = number, offsets
+        if key not in open_:
+            open_[key] = not compositing.covered(edl, pose, offsets)
+        return [[still.start, still.stop], *(beside(n) for n in compositing.elsewhere(edl, number) if open_[key])]
+
+    @lru_cache
+    def beside(number: int) -> Any:
+        pose = edl.poses[number]
+        still = compositing.still_range(edl, pose)
+        names = [c.name for c in edl.cameras if placed(edl, pose, c.name) is not None]
+        colours = {n: pose.colour[n].matrix for n in names if n in pose.colour}
+        places = {n: placed(edl, pose, n) for n in names}
+        return [[still.start, still.stop], places, colours, [source(n) for n in names]]
+
     chunks = []
+    open_: dict[Any, bool] = {}
     for start in range(0, edl.frames, step):
         piece = FrameRange(start, min(start + step, edl.frames))
-        span = FrameRange(max(0, start - filler.memory_frames), piece.stop)
+        block = start - start % compositing.block_frames(edl) if filler.remembers else start
+        before = compositing.remembered(block) if filler.remembers else ()
+        spans = (*(FrameRange(frame, frame + 1) for frame in before), FrameRange(block, piece.stop))
         parts: list[tuple[FrameRange, Any]] = []
-        for stretch, decision in decisions:
-            for pose in edl.poses:
+        for span, (stretch, decision) in product(spans, decisions):
+            for number, pose in enumerate(edl.poses):
                 part = stretch.intersection(span)
                 part = part and part.intersection(pose.range)
                 if part is None:
@@ -143,6 +166,8 @@ def plan(edl: Edl, base: Path, *, filler: Filler | None = None, encoding: Encodi
                 }
                 if decision.colour:
                     facts["colour"] = {n: pose.colour[n].matrix for n in sorted(cameras) if n in pose.colour}
+                if decision.fill:
+                    facts["still"] = around(number, decision, part)
                 parts.append((part, facts))
         key = _digest(
             {

@@ -14,6 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from fractions import Fraction
 from pathlib import Path
+from threading import Lock
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,8 @@ from .sampling import Sample, sample_cameras
 from .sound import sound_blocks
 from .timing import FrameRange
 from .video import probe, to_planes
+
+_KEPT_MOMENTS = 32  # pictures: 3 MB each at 1080p
 
 
 class Player:
@@ -70,6 +73,8 @@ class Footage:
         self._threads = threads
         self._by_name = {camera.name: camera for camera in self.cameras}
         self._parts: dict[str, tuple[Part, ...]] = {}
+        self._moments: dict[tuple[str, int], Planes | None] = {}
+        self._lock = Lock()
 
     def camera(self, name: str) -> Camera:
         """The camera of that name; KeyError when there is none."""
@@ -100,6 +105,23 @@ class Footage:
     def player(self, camera: str) -> Player:
         """Full-size pictures of ``camera`` one at a time; close it when done."""
         return Player(self, camera, Playhead(self.parts(camera), threads=self._threads))
+
+    def moment(self, camera: str, frame: int) -> Planes | None:
+        """The full-size picture of ``camera`` at one frame, by a decoder opened for it alone; None without picture.
+
+        The latest are kept, for whoever asks next.
+        """
+        key = camera, frame
+        with self._lock:
+            if key in self._moments:
+                return self._moments[key]
+        with closing(Player(self, camera, Playhead(self.parts(camera), threads=self._threads))) as player:
+            planes = player.at(frame)
+        with self._lock:
+            while len(self._moments) >= _KEPT_MOMENTS:
+                del self._moments[next(iter(self._moments))]
+            self._moments[key] = planes
+        return planes
 
     def planes(self, camera: str, piece: FrameRange) -> Iterator[Planes | None]:
         """Full-size pictures, (W, H) of the camera, one for each programme frame of ``piece``; None without picture.

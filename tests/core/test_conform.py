@@ -126,10 +126,10 @@ def test_keys_follow_what_the_pixels_depend_on(sources, tmp_path):
     moved = attrs.evolve(centred, centering=((0, 0.0, 0.0), (60, 0.0, 0.0), (90, 12.0, 0.0)))
     assert changed(plan(centred, sources), plan(moved, sources)) == [60, 90, 120]
     assert changed(base, plan(make(), sources, encoding=Encoding())) == every
-    # Where the filler remembers the frames before, they count too.
+    # Where the filler remembers the frames before, those of its block of ten seconds count too.
     remembered = plan(make(), sources, filler=ReferenceFiller())
     touched = plan(make(overrides=(Override(FrameRange(50, 59), camera="a"),)), sources, filler=ReferenceFiller())
-    assert changed(remembered, touched) == [30, 60]
+    assert changed(remembered, touched) == [30, 60, 90, 120]
 
 
 def test_keys_follow_the_content_of_sources_not_their_place(sources, tmp_path):

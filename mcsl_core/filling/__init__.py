@@ -1,0 +1,12 @@
+"""Filling the programme pixels that the chosen camera, warped, does not cover. Nothing is ever invented.
+
+A filler gets one `View` a programme frame: the chosen camera's warped picture and the means to look at the other
+cameras through the same eye, piece by piece, now and at other moments. Everything is in programme pixels.
+"""
+
+from .closeness import viewpoint_difference
+from .footprint import FootprintFiller
+from .reference import ReferenceFiller
+from .view import Filler, Rect, View
+
+__all__ = ["Filler", "FootprintFiller", "Rect", "ReferenceFiller", "View", "viewpoint_difference"]

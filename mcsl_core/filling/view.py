@@ -1,0 +1,120 @@
+"""What a filler gets of one programme frame, and what it must be able to do."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from typing import Protocol
+
+from attrs import frozen
+
+from ..images import U8, Planes
+from ..timing import FrameRange
+
+
+@frozen
+class Rect:
+    """Part of a picture: left, top, width, height, all even, so that it has chroma of its own. May reach beyond it."""
+
+    x: int
+    y: int
+    width: int
+    height: int
+
+    def of(self, planes: Planes) -> Planes:
+        """That part of ``planes``, as views."""
+        y, u, v = planes
+        half = (slice(self.y // 2, (self.y + self.height) // 2), slice(self.x // 2, (self.x + self.width) // 2))
+        return Planes(y[self.y : self.y + self.height, self.x : self.x + self.width], u[half], v[half])
+
+    def grown(self, by: int) -> Rect:
+        """With a border of ``by`` (even) pixels around it."""
+        return Rect(self.x - by, self.y - by, self.width + 2 * by, self.height + 2 * by)
+
+
+class View(Protocol):
+    """One programme frame before filling, and the means to look at every camera at any moment through the same eye."""
+
+    @property
+    def frame(self) -> int: ...
+
+    @property
+    def rate(self) -> float:
+        """Programme frames per second."""
+        ...
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(width, height) of the programme."""
+        ...
+
+    @property
+    def camera(self) -> str:
+        """The chosen camera."""
+        ...
+
+    @property
+    def front(self) -> Planes:
+        """The chosen camera's picture, warped and coloured; black where it does not reach."""
+        ...
+
+    @property
+    def others(self) -> Sequence[str]:
+        """Cameras that may stand in; the reference camera leads, then by closeness of viewpoint to the chosen one."""
+        ...
+
+    @property
+    def still(self) -> FrameRange:
+        """The stretch of this frame's pose in which the lamp stands still: a look at its moments lies right."""
+        ...
+
+    @property
+    def elsewhere(self) -> Sequence[FrameRange]:
+        """The same of the other poses of this perspective: earlier ones, the latest first, then later ones."""
+        ...
+
+    @property
+    def geometry(self) -> Hashable:
+        """Equal values mean equal footprints: what is worked out from them may be kept."""
+        ...
+
+    @property
+    def previous(self) -> Planes | None:
+        """The finished programme frame before this one, where the filler asked for a memory."""
+        ...
+
+    def footprint(self, camera: str, frame: int | None = None) -> U8:
+        """(height / 2, width / 2): 255 where that camera sees the programme, on the grid of the chroma samples.
+
+        frame: in the pose of that frame, in place of this one's; nothing where the camera's place is not known.
+        """
+        ...
+
+    def look(self, camera: str, rect: Rect, moments: Sequence[int] = (), blur_px: float = 0.0) -> Planes | None:
+        """What that camera has in ``rect``, warped and coloured; None where it has no picture or no known place.
+
+        moments: the median of its pictures at these frames of one pose, in place of its picture now. Each costs a seek
+        and a decode when it is first looked at, so keep to few: those of a fixed grid, so that a frame looks the same
+        in whatever stretch it is made. blur_px: sigma of a Gaussian over it.
+        """
+        ...
+
+
+class Filler(Protocol):
+    """Fills what the chosen camera leaves empty. May keep what depends on geometry alone, nothing else."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def version(self) -> int:
+        """Rises when the same frames come out differently: conformed chunks are then made again."""
+        ...
+
+    @property
+    def remembers(self) -> bool:
+        """Whether `View.previous` is wanted; it begins anew every ten seconds, from the frames 1, 2, 4, 8 ... before."""
+        ...
+
+    def fill(self, view: View) -> Planes:
+        """The finished frame; ``view.front`` itself where there is nothing to fill."""
+        ...
