@@ -102,6 +102,7 @@ def _at_chroma(y: U8) -> U8:
     """(H / 2, W / 2): luma where the chroma samples lie, [1 2 1] / 4 of the columns around them."""
     height, width = y.shape[0] // 2, y.shape[1] // 2
     small = cv2.resize(y, (width, height), interpolation=cv2.INTER_AREA)
-    left = cv2.resize(y[:, 1:-1], (width - 1, height), interpolation=cv2.INTER_AREA)
-    cv2.addWeighted(small[:, 1:], 0.5, left, 0.5, 0, dst=small[:, 1:])
+    if width > 1:
+        left = cv2.resize(y[:, 1:-1], (width - 1, height), interpolation=cv2.INTER_AREA)
+        cv2.addWeighted(small[:, 1:], 0.5, left, 0.5, 0, dst=small[:, 1:])
     return small  # pyright: ignore[reportReturnType]

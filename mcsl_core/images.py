@@ -130,7 +130,8 @@ def upsample_chroma(plane: U8) -> U8:
     height, width = plane.shape
     even = cv2.resize(plane, (width, 2 * height), interpolation=cv2.INTER_LINEAR)
     odd = even.copy()  # the last column has no follower
-    cv2.addWeighted(even[:, :-1], 0.5, even[:, 1:], 0.5, 0, dst=odd[:, :-1])
+    if width > 1:
+        cv2.addWeighted(even[:, :-1], 0.5, even[:, 1:], 0.5, 0, dst=odd[:, :-1])
     return cv2.merge([even, odd]).reshape(2 * height, 2 * width)  # pyright: ignore[reportReturnType]
 
 

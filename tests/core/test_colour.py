@@ -131,3 +131,11 @@ def test_the_identity_changes_no_bit():
 def test_chroma_is_enlarged_from_where_it_lies():
     plane = np.random.default_rng(5).integers(0, 256, (30, 44), dtype=np.uint8)
     assert np.abs(upsample_chroma(plane) - luma_sized(plane.astype(float))).max() <= 1  # rounded twice
+
+
+@pytest.mark.parametrize("size", [(2, 2), (4, 2), (2, 6)])
+def test_the_smallest_pictures_have_colours_too(size):
+    grey = Planes(*(np.full(shape, 100, np.uint8) for shape in (size, *[(size[0] // 2, size[1] // 2)] * 2)))
+    found = apply(grey, as_matrix(np.array([1.0, 1.0, 1.0]), np.array([20.0, 20.0, 20.0])))
+    assert [plane.shape for plane in found] == [plane.shape for plane in grey]
+    assert [set(plane.ravel().tolist()) for plane in found] == [{117}, {100}, {100}]
