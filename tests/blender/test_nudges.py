@@ -45,7 +45,7 @@ def test_a_nudge_goes_into_the_edl_shows_again_and_can_be_taken_back(built, blen
     assert path.read_bytes() == once
     build(path, built, blender=blender)  # a timeline made from it shows it
     shown = in_blender(blender, built, CAMERAS + '        out = [stands(camera("cam3", n)) for n in (0, 30)]')
-    assert shown[0] == [0, 0, 1, 1, 0]
+    assert shown[0] == pytest.approx([0, 0, 1, 1, 0], abs=1e-6)
     assert shown[1] == pytest.approx(set_to, abs=1e-5)
     assert pull(built, blender=blender) == new
     assert path.read_bytes() == once
