@@ -1,0 +1,130 @@
+"""Any segmentation network in ONNX as mcsl's occlusion detector: `--occlusion onnx`, the network by MCSL_ONNX_MODEL.
+
+The network is shown every camera's own picture, upright as the camera sees it; what it says is then laid into the
+scene. It may know the surgical field, or what is in the way of it, or both.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
+
+import cv2
+import numpy as np
+from attrs import field, frozen
+
+from mcsl_core.errors import UsageError
+from mcsl_core.hookspecs import hookimpl
+from mcsl_core.occlusion import main_region
+from mcsl_core.scene import Mask, Scene, View
+
+from .network import Map, Network
+
+VARIABLE = "MCSL_ONNX_MODEL"
+
+
+@frozen(repr=False)
+class OnnxOcclusion:
+    """The visible field by a segmentation network in ONNX. Named by the environment variable MCSL_ONNX_MODEL.
+
+    looks: so many moments of a stretch are shown to the network to find where its field lies. share: a place is the
+    field when so many of the views that reach it show the field there; hands hide it from some, most of the time.
+    """
+
+    looks: int = field(default=16)
+    share: float = field(default=0.35)
+    name = "onnx"
+
+    def prepare(self) -> None:
+        """Loads the network, so that one that is missing or wrong is refused before any work is done."""
+        chosen_network()
+
+    def scorer(self, scene: Scene, moments: Sequence[Sequence[View]]) -> OnnxScorer:
+        """A scorer for a stretch of a pose; of a network that knows the field, the field is where it says."""
+        network = chosen_network()
+        scorer = OnnxScorer(network, scene, scene.field)
+        if not network.description.output.field or not len(moments):
+            return scorer
+        shown = np.zeros(scene.field.shape, np.float32)
+        reached = np.zeros(scene.field.shape, np.float32)
+        for position in np.unique(np.linspace(0, len(moments) - 1, min(self.looks, len(moments))).astype(int)):
+            for view in moments[position]:
+                shown += scorer.field(view)
+                reached += view.inside
+        place = main_region((shown > self.share * reached) & (reached > 0))
+        return OnnxScorer(network, scene, place if place.any() else scene.field)
+
+    def __repr__(self) -> str:
+        """With the network's fingerprint: results in the cache are those of this network."""
+        path = os.environ.get(VARIABLE)
+        return f"OnnxOcclusion(looks={self.looks}, share={self.share}, network={path and fingerprint(Path(path))})"
+
+
+@frozen(eq=False)
+class OnnxScorer:
+    """Scores moments of one stretch of a pose. place: (H, W), the field in scene pixels."""
+
+    network: Network
+    scene: Scene
+    place: Mask
+
+    def score(self, views: Sequence[View]) -> Mapping[str, float]:
+        """camera -> visible share of the field, 0..1."""
+        area = max(int(self.place.sum()), 1)
+        return {view.camera: float(np.count_nonzero(self.place & self.visible(view))) / area for view in views}
+
+    def visible(self, view: View) -> Mask:
+        """(H, W) bool in scene pixels: where nothing is in the way, by what the network knows of that.
+
+        One that knows both is asked what is in the way: a wound's depth or a swab need not look like the field.
+        """
+        maps = self.network.maps(view.picture)
+        if maps.occluder is not None:
+            return view.inside & ~self._laid(maps.occluder, view)
+        assert maps.field is not None, "a description names one of them at least"
+        return view.inside & self._laid(maps.field, view)
+
+    def field(self, view: View) -> Mask:
+        """(H, W) bool in scene pixels: where the view shows the field."""
+        probability = self.network.maps(view.picture).field
+        assert probability is not None, "asked of networks that know the field only"
+        return view.inside & self._laid(probability, view)
+
+    def _laid(self, probability: Map, view: View) -> Mask:
+        warp = self.scene.warp_of(view.camera, (probability.shape[1], probability.shape[0]))
+        laid = cv2.warpPerspective(probability, warp, self.scene.size, flags=cv2.INTER_LINEAR)
+        return laid >= self.network.description.output.threshold
+
+
+def chosen_network() -> Network:
+    """The network that MCSL_ONNX_MODEL names; UsageError where it names none."""
+    path = os.environ.get(VARIABLE)
+    if not path:
+        raise UsageError(
+            "no network is named",
+            where="--occlusion onnx",
+            remedy=f"Set the environment variable {VARIABLE} to an .onnx file that has its .toml beside it",
+        )
+    return _loaded(Path(path).absolute(), fingerprint(Path(path)))
+
+
+@lru_cache(maxsize=2)
+def _loaded(path: Path, fingerprint: str) -> Network:
+    return Network.load(path)
+
+
+def fingerprint(path: Path) -> str:
+    """Of the network and all files beside it that share its stem: its description, and weights kept apart."""
+    digest = hashlib.sha256()
+    for file in sorted(path.parent.glob(f"{path.stem}.*")) if path.parent.is_dir() else []:
+        if file.is_file():
+            digest.update(file.name.encode() + b"\0" + file.read_bytes())
+    return digest.hexdigest()[:24]
+
+
+@hookimpl
+def register_occlusion_detectors():
+    return [OnnxOcclusion()]
