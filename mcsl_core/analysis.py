@@ -18,11 +18,12 @@ from attrs import field, frozen
 from . import __version__, edl
 from .anchoring import anchor
 from .centering import FieldPlace, field_middle
-from .cutting import moved_to, refine_cuts, select_shots
+from .cutting import moved_to, refine_cuts
 from .decisions import carry_over
 from .errors import InputError, UsageError
 from .evidence import SolvedPose, SolveSettings
 from .footage import Footage
+from .guards import Watch
 from .media import fingerprint
 from .plugins import Offer, Plugins
 from .progress import Progress
@@ -88,14 +89,14 @@ def analyse(
     rate = settings.rate or reference.rate
     frames = programme_length(reference, out.parent, rate)
     footage = Footage(cameras, rate=rate, frames=frames, base=out.parent)
+    watch = Watch(float(frames / rate), progress.note)
+    chosen = {stage: attrs.evolve(offer, watch=watch) for stage, offer in chosen.items()}
     detection, solved, table, shots = _looked_into(
         footage, reference.name, key_of(key, rate, frames, settings.sample_s), cache, chosen, settings, progress
     )
     movements = detection.movements
-    keys = tuple(
-        chosen["centerer"].implementation.centre(
-            [_field_place(s, reference.size) for s in solved], size=reference.size, rate=float(rate)
-        )
+    keys = chosen["centerer"].checked.centre(
+        [_field_place(s, reference.size) for s in solved], size=reference.size, rate=float(rate)
     )
     scores_path = out.with_name(f"{out.stem}.scores.npz")
     made = edl.Edl(
@@ -192,7 +193,7 @@ def _looked_into(
             return stack.enter_context(_looked(footage, cache, key, settings.sample_s, progress))
 
         def moved() -> Detection:
-            return chosen["movement"].implementation.detect(samples(), footage, progress)
+            return chosen["movement"].checked.detect(samples(), footage, progress)
 
         def posed() -> list[SolvedPose]:
             return _solve(samples(), footage, reference, detection.movements, chosen, settings, progress)
@@ -213,7 +214,7 @@ def _looked_into(
         solved = cache.remember("poses", poses, posed, POSES)
         scores = key_of(poses, identity(chosen["occlusion"]))
         table = cache.remember("scores", scores, scored, SCORES)
-        shots = select_shots(chosen["selector"], table, frames=footage.frames, rate=footage.rate)
+        shots = chosen["selector"].checked.select(table, frames=footage.frames, rate=footage.rate)
         cuts = cache.remember("cuts", key_of(scores, [(s.range.start, s.camera) for s in shots]), refined, CUTS)
     return detection, solved, attrs.evolve(table, movement=detection.curve), moved_to(shots, cuts)
 
@@ -259,7 +260,7 @@ def _solve(
 ) -> list[SolvedPose]:
     """Every pose in order, each anchored to those before."""
     sizes = {c.name: c.size for c in footage.cameras}
-    matcher = chosen["matcher"].implementation
+    matcher = chosen["matcher"].checked
     solved: list[SolvedPose] = []
     pieces = pose_ranges(movements, footage.frames)
     progress.stage("Aligning the views", len(pieces), "poses")
@@ -271,7 +272,7 @@ def _solve(
             sizes,
             reference=reference,
             matcher=matcher,
-            aligner=chosen["aligner"].implementation,
+            aligner=chosen["aligner"].checked,
             settings=settings.solve,
             progress=progress,
         )

@@ -18,7 +18,7 @@ import click
 from . import __version__
 from .errors import Cancelled, McslError, UsageError
 from .progress import JsonLines
-from .session import Session
+from .session import Session, own_output
 from .stages import STAGES
 from .timing import parse_rate
 
@@ -201,15 +201,22 @@ def conform(session: Session, edl: Path, out: Path | None, jobs: int, prune: boo
     from . import conform as conforming
     from . import edl as document
     from .plugins import filler_of
+    from .timeline import piece_of
 
     decided = document.load(edl)
     folder = out or conforming.default_folder(edl)
     with session.progress() as progress:
         done = conforming.conform(
-            decided, edl.parent, folder, filler=filler_of(decided), jobs=jobs, prune=prune, progress=progress
+            decided, edl.parent, folder, filler=filler_of(decided, progress), jobs=jobs, prune=prune, progress=progress
         )
     session.result(
-        {"folder": str(folder), "chunks": len(done.chunks), "made": done.made},
+        {
+            "folder": str(folder),
+            "chunks": len(done.chunks),
+            "made": done.made,
+            "pieces": [piece_of(chunk, folder.resolve()) for chunk in done.chunks],
+            "sound": None if done.audio is None else str(done.audio.resolve()),
+        },
         f"{folder}: {len(done.chunks)} chunks, {done.made} made now",
     )
 
@@ -316,7 +323,8 @@ def list_plugins(session: Session, as_json: bool) -> None:
     from .console import offers_table
     from .plugins import discover
 
-    offers = discover().offers
+    with contextlib.redirect_stdout(sys.stderr):  # what plugins print is no row of the list
+        offers = discover().offers
     if as_json or session.json:
         rows = [
             {
@@ -370,6 +378,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Runs the command line and returns its exit code; every error is one line for people."""
     with contextlib.suppress(ValueError):  # not in the main thread: nobody sends us signals there
         signal.signal(signal.SIGTERM, _stop)
+    own_output()
     arguments = sys.argv[1:] if arguments is None else arguments
     debug, as_json = "--debug" in arguments, _wants_json(arguments)
     try:

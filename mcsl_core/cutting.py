@@ -1,4 +1,4 @@
-"""Shots from the chosen selector, checked, and their switches moved to the very frame.
+"""The switches of the shots moved to the very frame.
 
 Samples lie about a second apart; around a switch the two cameras are decoded more densely. The cost grows with the
 number of switches, not with the length of the recording.
@@ -7,7 +7,6 @@ number of switches, not with the length of the recording.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from fractions import Fraction
 from itertools import pairwise
 
 import attrs
@@ -15,32 +14,11 @@ import numpy as np
 from attrs import field, frozen
 
 from .edl import Movement, Shot
-from .errors import PluginError
 from .footage import Footage
-from .plugins import Offer
 from .progress import Progress
 from .samples import SAMPLE_HEIGHT
-from .scores import ScoreTable
 from .scoring import Stretch
-from .timing import FrameRange, check_tiles
-
-
-def select_shots(selector: Offer, table: ScoreTable, *, frames: int, rate: Fraction) -> tuple[Shot, ...]:
-    """The selector's shots; a PluginError names it when they do not tile [0, frames) or show an unknown camera."""
-    shots = tuple(selector.implementation.select(table, frames=frames, rate=rate))
-    unknown = sorted({s.camera for s in shots} - set(table.cameras))
-    fault = f"chose camera {unknown[0]!r}, expected one of {', '.join(table.cameras)}" if unknown else None
-    try:
-        check_tiles((s.range for s in shots), frames, "shots")
-    except ValueError as error:
-        fault = str(error)
-    if fault:
-        raise PluginError(
-            fault,
-            where=f"selector {selector}",
-            remedy="Report it to its author, or choose another with --selector",
-        )
-    return shots
+from .timing import FrameRange
 
 
 @frozen

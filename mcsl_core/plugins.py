@@ -3,29 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from importlib import metadata
 from typing import Any
 
+import attrs
 import pluggy
-from attrs import frozen
+from attrs import field, frozen
 
 from . import __version__, default_plugins
 from .edl import Edl
 from .errors import PluginError, UsageError
 from .filling import Filler
+from .guards import GUARDS, Watch
 from .hookspecs import PROJECT, Hooks
+from .progress import Progress
 from .stages import STAGES
 
 
 @frozen(eq=False)
 class Offer:
-    """One named object of one package."""
+    """One named object of one package. watch: who is told how long it takes."""
 
     stage: str
     name: str
     package: str
     version: str
     implementation: Any
+    watch: Watch | None = field(default=None)
+
+    @cached_property
+    def checked(self) -> Any:
+        """The object as the pipeline calls it: what goes in, what comes out and what it raises is looked after."""
+        return GUARDS[self.stage](self.implementation, self.stage, str(self), self.package, self.watch)
 
     def __str__(self) -> str:
         return f"{self.name} ({self.package} {self.version})"
@@ -56,17 +66,29 @@ class Plugins:
         )
 
 
-def filler_of(edl: Edl) -> Filler:
+def filler_of(edl: Edl, progress: Progress | None = None) -> Filler:
     """The filler that the EDL was made with, the default's where it does not say.
 
-    UsageError names the package to install where the filler is not here.
+    PluginError names the package to install where the filler is not here. progress: where it is told that it is slow.
     """
+    offer = filler_offer(edl)
+    if progress is not None:
+        offer = attrs.evolve(offer, watch=Watch(float(edl.frames / edl.rate), progress.note))
+    return offer.checked
+
+
+def filler_offer(edl: Edl) -> Offer:
+    """See `filler_of`."""
     made = edl.made_by.plugins.get("filler", "") if edl.made_by else ""
     name, _, package = made.partition(" (")
     try:
-        return discover().choose("filler", name or None).implementation
+        return discover().choose("filler", name or None)
     except UsageError as error:
-        raise UsageError(error.what, where="the EDL", remedy=f"Install {package.rstrip(')')}") from error
+        raise PluginError(
+            f"was made with the filler {made}, which is not installed",
+            where="the EDL",
+            remedy=f"Install {package.rstrip(')') or 'it'}, or analyse again with another --filler",
+        ) from error
 
 
 def discover(extra: Sequence[tuple[object, str, str]] = (), *, entry_points: bool = True) -> Plugins:
@@ -122,9 +144,19 @@ def _offers(source: object, package: str, version: str) -> list[Offer]:
             raise PluginError(
                 f"{kind.hook} failed: {type(error).__name__}: {error}", where=who, remedy="Repair or uninstall it"
             ) from error
+        for result in results:
+            if not isinstance(result, Sequence):
+                raise PluginError(f"{kind.hook} returned {result!r}", where=who, remedy="It must return a list")
         for implementation in (item for result in results for item in result):
+            if isinstance(implementation, type):
+                raise PluginError(
+                    f"{kind.hook} offers the class {implementation.__qualname__}",
+                    where=who,
+                    remedy=f"It must offer objects: {implementation.__qualname__}()",
+                )
             name = getattr(implementation, "name", None)
             lacking = [m for m in kind.methods if not callable(getattr(implementation, m, None))]
+            lacking += [v for v in kind.numbers if not isinstance(getattr(implementation, v, None), int)]
             if not isinstance(name, str) or not name or lacking:
                 raise PluginError(
                     f"{kind.hook} offers {implementation!r}, which lacks {', '.join(lacking) or 'a name'}",

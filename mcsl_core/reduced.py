@@ -12,7 +12,7 @@ from .edl import IDENTITY, Edl, Matrix, Pose
 from .filling import Filler, FootprintFiller
 from .footage import Footage, Player
 from .images import Planes
-from .plugins import filler_of
+from .plugins import filler_offer
 from .scene import scaling
 
 
@@ -67,10 +67,10 @@ def _rows(matrix: ArrayLike) -> Matrix:
 
 def reduced_filler(edl: Edl, size: tuple[int, int]) -> Filler:
     """The EDL's filler for pictures of ``size``: a new one, since a filler may keep what it worked out."""
-    filler = filler_of(edl)
-    if isinstance(filler, FootprintFiller):
-        return FootprintFiller(filler.feather_px * size[0] / edl.size[0])
-    return filler
+    offer = filler_offer(edl)
+    if isinstance(offer.implementation, FootprintFiller):
+        return FootprintFiller(offer.implementation.feather_px * size[0] / edl.size[0])
+    return offer.checked
 
 
 class SharedFootage(Footage):

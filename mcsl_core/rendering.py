@@ -58,7 +58,7 @@ def render(
         _direct(edl, edl_path, out, kind, progress)
         return out
     folder = default_folder(edl_path)
-    done = conform(edl, edl_path.parent, folder, filler=filler_of(edl), jobs=jobs, progress=progress)
+    done = conform(edl, edl_path.parent, folder, filler=filler_of(edl, progress), jobs=jobs, progress=progress)
     if source.suffix == ".blend":
         _put_in_place("refresh", edl_path, source, done, kind, found, progress)
         _in_blender(source, out, kind, found, progress)
@@ -108,7 +108,7 @@ def _direct(edl: Edl, edl_path: Path, out: Path, kind: Preset, progress: Progres
         size=kind.scaled(edl.size),
         audio_channels=AUDIO_CHANNELS,
         keyframe_interval=kind.direct.gop,
-        filler=filler_of(edl),
+        filler=filler_of(edl, progress),
         progress=progress,
     )
 

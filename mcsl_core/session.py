@@ -1,8 +1,13 @@
-"""One call of the command line: how its progress is shown, and how its result is told."""
+"""One call of the command line: how its progress is shown, and how its result is told.
+
+Standard output is for results, and with ``--progress json`` for one message a line: programs read it. Plugins and the
+libraries under them print as they like, from C too, so what anybody else prints goes to standard error.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import os
 import sys
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -10,6 +15,22 @@ from typing import Any
 from rich.console import Console
 
 from .progress import JsonLines, Progress
+
+
+def own_output() -> None:
+    """Puts `sys.stdout` on a descriptor of its own, so that who writes to descriptor 1 itself writes to standard error.
+
+    Not at a terminal, where nobody parses; and for good, because C's buffers are written out after everything else.
+    """
+    given = sys.stdout
+    try:
+        if given.isatty() or given.fileno() != 1:
+            return
+    except (AttributeError, OSError, ValueError):  # none, closed, or no file
+        return
+    given.flush()
+    sys.stdout = os.fdopen(os.dup(1), "w", encoding=given.encoding, errors=given.errors)
+    os.dup2(2, 1)
 
 
 class Session:
@@ -25,19 +46,20 @@ class Session:
 
     @contextlib.contextmanager
     def progress(self) -> Iterator[Progress]:
-        """The progress of one piece of long work."""
+        """The progress of one piece of long work; what is printed meanwhile goes to standard error."""
         from .console import Bars, Lines
         from .progress import Silent
 
-        if self.json:
-            yield self.json
-        elif self.mode == "bar":
-            with Bars(self.err) as bars:
-                yield bars
-        elif self.mode == "lines":
-            yield Lines(lambda line: print(line, file=sys.stderr, flush=True))
-        else:
-            yield Silent()
+        with contextlib.redirect_stdout(sys.stderr):
+            if self.json:
+                yield self.json
+            elif self.mode == "bar":
+                with Bars(self.err) as bars:
+                    yield bars
+            elif self.mode == "lines":
+                yield Lines(lambda line: print(line, file=sys.stderr, flush=True))
+            else:
+                yield Silent()
 
     def result(self, values: Mapping[str, Any], text: str) -> None:
         """The end of a success: ``values`` for programs, ``text`` for people."""

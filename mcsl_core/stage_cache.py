@@ -88,8 +88,13 @@ def key_of(*parts: object) -> str:
 
 
 def identity(offer: Offer) -> tuple[str, str, str]:
-    """What an offer's results depend on: its package and version, its settings, its code."""
-    return str(offer), repr(offer.implementation), code_digest(type(offer.implementation).__module__.split(".")[0])
+    """What an offer's results depend on: its package and version, its settings, its code.
+
+    Settings are what its repr shows; object's own shows an address, which would be another in every process.
+    """
+    kind = type(offer.implementation)
+    settings = kind.__qualname__ if kind.__repr__ is object.__repr__ else repr(offer.implementation)
+    return str(offer), settings, code_digest(kind.__module__.split(".")[0])
 
 
 @lru_cache

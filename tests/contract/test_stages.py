@@ -60,7 +60,7 @@ def lamp_films(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Samp
 @pytest.mark.parametrize(("film", "count"), [("moved", 1), ("stood", 0)])
 def test_movement_detectors_find_what_moves_and_nothing_else(offer: Offer, lamp_films, film: str, count: int) -> None:
     samples, footage = lamp_films[film]
-    found = offer.implementation.detect(samples, footage, Silent())
+    found = offer.checked.detect(samples, footage, Silent())
     assert len(found.movements) == count
     for before, after in pairwise([FrameRange(0, 1), *(m.range for m in found.movements)]):
         assert before.stop <= after.start
@@ -72,7 +72,7 @@ def test_movement_detectors_find_what_moves_and_nothing_else(offer: Offer, lamp_
     assert curve.label
     assert len(curve.frames) >= 30
     assert (np.diff(curve.frames) > 0).all()
-    again = offer.implementation.detect(samples, footage, Silent())
+    again = offer.checked.detect(samples, footage, Silent())
     assert again.movements == found.movements
 
 
@@ -81,13 +81,13 @@ def test_movement_detectors_find_what_moves_and_nothing_else(offer: Offer, lamp_
 def test_movement_detectors_take_a_recording_of_one_or_two_looks(offer: Offer, tmp_path, seconds: float) -> None:
     footage = write_lamp(tmp_path, lambda t: 0.0, seconds=seconds)
     with closing(Samples.record(footage, tmp_path / "samples", Silent())) as samples:
-        assert offer.implementation.detect(samples, footage, Silent()).movements == ()
+        assert offer.checked.detect(samples, footage, Silent()).movements == ()
 
 
 @offers("matcher")
 @pytest.mark.parametrize("turn_deg", [0, 30, 72, 144])
 def test_matchers_find_the_same_places(offer: Offer, turn_deg: float) -> None:
-    matcher = offer.implementation
+    matcher = offer.checked
     picture = cloth(3)
     turn = np.vstack([cv2.getRotationMatrix2D((240, 135), turn_deg, 0.9), [0, 0, 1]])
     turned = cv2.warpPerspective(picture, turn, (480, 270))
@@ -106,7 +106,7 @@ def test_matchers_find_the_same_places(offer: Offer, turn_deg: float) -> None:
 
 @offers("matcher")
 def test_matchers_survive_an_empty_picture_and_a_mask(offer: Offer) -> None:
-    matcher = offer.implementation
+    matcher = offer.checked
     blank = matcher.features(np.zeros((120, 160, 3), np.uint8))
     assert matcher.match(blank, blank).shape == (0, 2)
     picture, mask = cloth(4), np.zeros((270, 480), np.uint8)
@@ -170,7 +170,7 @@ class ReliefScene:
 
 
 def aligned(offer: Offer, scene: ReliefScene, reference: str) -> Alignment:
-    return offer.implementation.align(scene.pairs, scene.sizes, reference)
+    return offer.checked.align(scene.pairs, scene.sizes, reference)
 
 
 @offers("aligner")
@@ -213,7 +213,7 @@ def test_aligners_name_the_cameras_that_cannot_be_tied_in(offer: Offer) -> None:
 def test_aligners_say_that_nothing_matches(offer: Offer) -> None:
     empty = Correspondences(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0), np.zeros(0, np.int64))
     for pairs in ({}, {("a", "b"): empty}):
-        result = offer.implementation.align(pairs, {"a": (640, 360), "b": (640, 360)}, "b")
+        result = offer.checked.align(pairs, {"a": (640, 360), "b": (640, 360)}, "b")
         np.testing.assert_array_equal(result.homographies["b"], np.eye(3))
         assert set(result.homographies) == {"b"}
         assert [w.camera for w in result.weak] == ["a"]
@@ -248,7 +248,7 @@ def field_scene() -> tuple[Scene, np.ndarray]:
 def test_detectors_see_less_where_more_is_hidden(offer: Offer) -> None:
     scene, picture = field_scene()
     clear = scene.views({"cam1": picture, "cam2": picture, "cam3": picture})
-    scorer = offer.implementation.scorer(scene, [clear] * 3)
+    scorer = offer.checked.scorer(scene, [clear] * 3)
     seen = []
     for hidden in (0, 40, 90, 150, 220):
         covered = picture.copy()
@@ -274,7 +274,7 @@ def test_detectors_take_a_moment_with_one_camera(offer: Offer) -> None:
     scene, picture = field_scene()
     views = scene.views({"cam1": picture, "cam2": None, "cam3": None})
     for moments in ([views], []):
-        scores = offer.implementation.scorer(scene, moments).score(views)
+        scores = offer.checked.scorer(scene, moments).score(views)
         assert set(scores) == {"cam1"}
 
 
@@ -287,10 +287,10 @@ def test_selectors_tile_the_programme(offer: Offer) -> None:
         visible[samples // 3 : samples // 2] = np.nan  # the lamp moves: no data
         table = ScoreTable(frames, tuple(f"cam{c}" for c in range(cameras)), visible, np.ones((samples, cameras), bool))
         total = int(frames[-1]) + 20
-        shots = offer.implementation.select(table, frames=total, rate=Fraction(30))
+        shots = offer.checked.select(table, frames=total, rate=Fraction(30))
         check_tiles((s.range for s in shots), total, "shots")
         assert {s.camera for s in shots} <= set(table.cameras)
-        again = offer.implementation.select(table, frames=total, rate=Fraction(30))
+        again = offer.checked.select(table, frames=total, rate=Fraction(30))
         assert [attrs.astuple(s) for s in again] == [attrs.astuple(s) for s in shots]
 
 
@@ -301,7 +301,7 @@ def test_centerers_give_few_rising_keys_that_move_towards_the_middle(offer: Offe
         FieldPlace(FrameRange(300, 310), None),
         FieldPlace(FrameRange(310, 900), (450.0, 200.0)),
     ]
-    keys = offer.implementation.centre(places, size=(960, 540), rate=30.0)
+    keys = offer.checked.centre(places, size=(960, 540), rate=30.0)
     assert len(keys) <= 12
     assert all(a[0] < b[0] for a, b in pairwise(keys))
     assert all(0 <= k[0] < 900 for k in keys)
@@ -312,7 +312,7 @@ def test_centerers_give_few_rising_keys_that_move_towards_the_middle(offer: Offe
 
 @offers("centerer")
 def test_centerers_leave_a_recording_without_a_field_alone(offer: Offer) -> None:
-    assert not offer.implementation.centre([FieldPlace(FrameRange(0, 50), None)], size=(960, 540), rate=30.0)
+    assert not offer.checked.centre([FieldPlace(FrameRange(0, 50), None)], size=(960, 540), rate=30.0)
 
 
 def test_every_stage_has_its_default() -> None:

@@ -10,15 +10,13 @@ import attrs
 import numpy as np
 import pytest
 
-from mcsl_core.cutting import moved_to, refine_cuts, select_shots
+from mcsl_core.cutting import moved_to, refine_cuts
 from mcsl_core.edl import Camera, Media, Movement, Shot
-from mcsl_core.errors import PluginError
 from mcsl_core.footage import Footage
 from mcsl_core.images import bgr_to_planes
-from mcsl_core.plugins import Offer, discover
+from mcsl_core.plugins import discover
 from mcsl_core.progress import Silent
 from mcsl_core.scene import Scene, View
-from mcsl_core.scores import ScoreTable
 from mcsl_core.scoring import Moments, Stretch
 from mcsl_core.timing import FrameRange, check_tiles
 from mcsl_core.video import VideoWriter
@@ -98,32 +96,3 @@ def test_a_switch_near_a_movement_stays_and_one_in_it_goes_to_its_middle(footage
     assert refined(footage, 50, movements=[moved]) == (50,)
     assert refined(footage, 58, movements=[moved]) == (61,)
     assert refined(footage, 30, 58, movements=[Movement(FrameRange(20, 60), 1.0)])[1] == 58, "the shot before is short"
-
-
-@attrs.frozen
-class Bad:
-    """A selector that breaks its promise."""
-
-    made: tuple[Shot, ...]
-    name = "bad"
-
-    def select(self, table: ScoreTable, *, frames: int, rate: Fraction) -> Sequence[Shot]:
-        return self.made
-
-
-@pytest.mark.parametrize(
-    ("made", "message"),
-    [
-        (shots(50)[:1], "shots"),
-        ((shots(50)[0], *shots(60)[1:]), "shots"),
-        ((Shot(FrameRange(0, FRAMES), "cam9", 0.5, ""),), "cam9"),
-        ((), "shots"),
-    ],
-    ids=["too short", "a hole", "unknown camera", "none"],
-)
-def test_a_selector_that_breaks_its_promise_is_refused_by_name(made: tuple[Shot, ...], message: str) -> None:
-    offer: Offer = attrs.evolve(discover().choose("selector"), implementation=Bad(made))
-    table = ScoreTable(np.array([0]), ("cam1", "cam2"), np.ones((1, 2)), np.ones((1, 2), bool))
-    with pytest.raises(PluginError, match=message) as caught:
-        select_shots(offer, table, frames=FRAMES, rate=Fraction(RATE))
-    assert str(offer) in str(caught.value)

@@ -35,7 +35,7 @@ FLOORS: dict[int, set[str]] = {
         "filling",
         "colour",
     },
-    3: {"compositor", "misalignment", "hookspecs", "stages", "default_plugins", "plugins"},
+    3: {"compositor", "misalignment", "hookspecs", "stages", "guards", "default_plugins", "plugins"},
     4: {
         *("evaluation", "figures", "manual", "steadiness", "reduced", "coverage", "study", "report"),  # measuring
         *(
@@ -50,7 +50,7 @@ FLOORS: dict[int, set[str]] = {
             "analysis",
         ),  # deciding
         *("contact", "simulation", "demo"),
-        *("conform", "programme_sound", "blender", "blender_child", "timeline", "presets", "rendering"),
+        *("quality", "chunks", "conform", "programme_sound", "blender", "blender_child", "timeline", "presets", "rendering"),
     },
     5: {"console", "session", "cli"},
 }
@@ -59,15 +59,21 @@ PACKAGES = {"filling", "movement", "report", "simulation", "sync", "video"}
 STAGES = 2  # the floor on which modules do not import each other: values pass between them through analysis.py
 
 # Of the add-on, what runs anywhere and what needs Blender.
-ADDON_PURE = {"__init__", "plan", "readback", "nudges", "switching", "similarity", "background"}
-ADDON_BPY = {"by_hand", "operators", "output", "panels", "scenes", "strips", "tasks"}
+ADDON_PURE = {
+    *("__init__", "plan", "readback", "nudges", "switching", "similarity", "background"),
+    *("deliveries", "finding", "jobs", "outstanding", "recordings", "reverting", "shots"),
+}
+ADDON_BPY = {
+    *("by_hand", "operators", "output", "panels", "scenes", "strips", "tasks"),
+    *("conformed", "preferences", "properties", "running", "translations", "watching"),
+}
 
 # Third-party packages with a home: nobody else imports them.
 HOMES = {
     "av": {"video"},
     "click": {"cli"},
     "jinja2": {"report"},
-    "rich": {"cli", "console"},
+    "rich": {"cli", "console", "session"},
     "pluggy": {"hookspecs", "plugins"},
 }
 FLOOR_0_PACKAGES = {"attr", "attrs", "cattr", "cattrs"}

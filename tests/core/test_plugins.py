@@ -60,6 +60,9 @@ def test_two_of_one_name_are_refused_with_both_packages() -> None:
     ("module", "message"),
     [
         (plugin("register_selectors", [object()]), "lacks select"),
+        (plugin("register_selectors", [Mine]), "offers the class Mine"),
+        (plugin("register_selectors", Mine()), "register_selectors returned <"),
+        (plugin("register_fillers", [types.SimpleNamespace(name="f", fill=len, version=1)]), "lacks remembers"),
         (plugin("register_selectors", RuntimeError("no licence")), "RuntimeError: no licence"),
         (plugin("register_sellectors", [Mine()]), "register_sellectors"),
     ],
