@@ -28,7 +28,7 @@ from .nudges import FoundCamera, read_corrections
 from .plan import automatic_cameras
 
 FIELDS = ("camera", "centering", "fill", "colour", "offset")
-READ = ("camera", "centering", "fill", "offset")  # what a Programme strip can say
+READ = ("camera", "centering", "fill", "colour", "offset")  # what a Programme strip can say
 AUTOMATIC = "automatic"  # said of a centre: no longer by hand
 
 
@@ -36,8 +36,8 @@ AUTOMATIC = "automatic"  # said of a centre: no longer by hand
 class FoundStrip:
     """A Multicam strip as found: frames [start, stop) on the programme's count, which may reach outside it.
 
-    source: the channel it shows. centering, fill: the editor's switch on this strip; offset: the centre by hand,
-    [dx, dy] in programme pixels, or AUTOMATIC. None says nothing.
+    source: the channel it shows. centering, fill, colour: the editor's switch on this strip; offset: the centre by
+    hand, [dx, dy] in programme pixels, or AUTOMATIC. None says nothing.
     """
 
     name: str
@@ -48,6 +48,7 @@ class FoundStrip:
     muted: bool = False
     centering: bool | None = None
     fill: bool | None = None
+    colour: bool | None = None
     offset: tuple[float, float] | Literal["automatic"] | None = None
 
 
@@ -58,6 +59,7 @@ class SequencerState:
     strips: tuple[FoundStrip, ...]
     cameras: tuple[FoundCamera, ...]
     automatic: tuple[tuple[FrameRange, str], ...] | None = None
+    look: tuple[tuple[str, bool], ...] = ()  # the aids that were switched for the whole programme
     notes: tuple[str, ...] = ()  # what was seen and is not read, for a person
 
 
@@ -66,6 +68,7 @@ def read_edl(edl: Edl, state: SequencerState) -> Edl:
 
     InputError names the strip and frame that cannot be read.
     """
+    edl = attrs.evolve(edl, look=attrs.evolve(edl.look, **dict(state.look)))
     return attrs.evolve(edl, overrides=read_overrides(edl, state), corrections=read_corrections(edl, state.cameras))
 
 
@@ -80,7 +83,7 @@ def read_overrides(edl: Edl, state: SequencerState) -> tuple[Override, ...]:
     segments = _Segments(edl.frames, _all_ranges(edl, state, automatic))
     top = segments.paint([(s.start, s.stop, s) for s in sorted(state.strips, key=lambda s: s.channel) if not s.muted])
     changes = {"camera": _camera_changes(edl, state, segments, top, automatic)}
-    for name in ("centering", "fill", "offset"):
+    for name in ("centering", "fill", "colour", "offset"):
         changes[name] = _look_changes(edl, name, segments, top)
     kept = [piece for override in edl.overrides for piece in _less(override, segments, changes)]
     return _with_new(kept, _new_decisions(segments, changes))

@@ -10,29 +10,33 @@ from __future__ import annotations
 
 import hashlib
 from array import array
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import bpy  # pyright: ignore[reportMissingImports]
 
+from mcsl_core.edl import Look
 from mcsl_core.errors import BlenderError, InputError
 
 from . import plan as plans
 from .nudges import FoundCamera
 from .plan import CameraTrack, ConformedPiece, OffsetKey, StripPlan
 from .readback import AUTOMATIC, FoundStrip, SequencerState
+from .reverting import Setting
 from .similarity import Transform
 from .switching import Switch
 
 ROLE = "mcsl"
 PLANNED = "mcsl_planned"  # of a camera strip: its transform without any correction
 TRACKS = "mcsl_tracks"  # of the scene: what the camera strips were made from
+LOOK = "mcsl_look_"  # of the scene, with the aid's name after it: switched for the whole programme
 KEYS = "mcsl_keys"  # of the scene: the Centering strip's keys as they were written
 REBUILT = ("programme", "centering", "conformed", "sound")  # from the EDL anew; camera strips stay as they are
 HIGHEST_CHANNEL = 128  # Blender has no more
 OVERRIDDEN_COLOUR = "COLOR_03"  # yellow: an editor's decision
 AXES = ("x", "y")
+AIDS = ("centering", "fill", "colour")
 _CONSTANT, _LINEAR = 0, 1  # Blender's interpolation codes, as foreach_set takes them
 
 # --------------------------------------------------------------------------------------------- version differences
@@ -256,6 +260,13 @@ def _sound(scene: Any, plan: StripPlan, base: Path) -> list[str]:
     return notes
 
 
+def replace_sound(scene: Any, plan: StripPlan, base: Path) -> list[str]:
+    """The sound anew from ``plan``, in place of ours; the editor's own stays. Notes for a person."""
+    for strip in [s for s in scene.sequence_editor.strips if _role(s) == "sound"]:
+        scene.sequence_editor.strips.remove(strip)
+    return _sound(scene, plan, base)
+
+
 def has_sound(scene: Any) -> bool:
     """Whether any sound strip is left that can be heard."""
     return any(s.type == "SOUND" and not s.mute for s in scene.sequence_editor.strips_all)
@@ -358,6 +369,7 @@ def read(scene: Any) -> SequencerState:
                     muted=strip.mute,
                     centering=_switch(strip, "mcsl_centering"),
                     fill=_switch(strip, "mcsl_fill"),
+                    colour=_switch(strip, "mcsl_colour"),
                     offset=_offset(strip),
                 )
             )
@@ -380,6 +392,7 @@ def read(scene: Any) -> SequencerState:
         strips=tuple(strips),
         cameras=tuple(cameras),
         automatic=plans.automatic_from_text(automatic) if automatic else None,
+        look=tuple((aid, bool(scene[LOOK + aid])) for aid in AIDS if LOOK + aid in scene),
         notes=_remarks(scene),
     )
 
@@ -429,6 +442,20 @@ def apply_switch(scene: Any, change: Switch) -> None:
             other.select = False
     strip.select = True
     scene.sequence_editor.active_strip = strip
+
+
+def revert(scene: Any, settings: Mapping[str, Sequence[Setting]], look: Look) -> None:
+    """Strips cut and set as `reverting` decided; in what is set, look and centre are the programme's again."""
+    for name, parts in settings.items():
+        strip = scene.sequence_editor.strips[name]
+        for index, part in enumerate(parts):
+            rest = _split(strip, part.range.stop) if index + 1 < len(parts) else None
+            if part.source is not None:
+                strip.multicam_source = part.source
+                for aid in AIDS:  # said, not left out: what the EDL already holds would stay
+                    strip[f"mcsl_{aid}"] = getattr(look, aid)
+                strip["mcsl_offset"] = AUTOMATIC
+            strip = rest
 
 
 def colour(scene: Any, overridden: frozenset[str]) -> None:

@@ -19,7 +19,7 @@ from mcsl_core.errors import BlenderError, InputError
 from mcsl_core.progress import JsonLines
 from mcsl_core.timing import FrameRange
 
-from . import output, scenes, strips
+from . import conformed, output, scenes, strips
 from .plan import ConformedPiece, StripPlan, make_plan
 from .readback import read_edl
 
@@ -37,6 +37,7 @@ def timeline(request: Request, progress: JsonLines) -> dict[str, Any]:
     scene.name = "Programme"
     strips.use_sequencer_scene(scene)
     notes = strips.build(scene, plan, edl_path.parent)
+    conformed.note_basis(scene, edl)
     _finish(scene, edl, edl_path, blend, request)
     for note in notes:
         progress.note(note)
@@ -57,6 +58,7 @@ def read(request: Request, progress: JsonLines) -> dict[str, Any]:
     decided = {
         name: value.get(name, []) for name in ("overrides", "corrections")
     }  # the document leaves out an empty one
+    decided["look"] = value["look"]
     return {"edl": str(edl_path), **decided, "changed": new != edl}
 
 
@@ -70,6 +72,7 @@ def refresh(request: Request, progress: JsonLines) -> dict[str, Any]:
     plan = _plan(edl, request)
     for note in strips.rebuild(scene, plan, edl_path.parent):
         progress.note(note)
+    conformed.note_basis(scene, edl)
     _finish(scene, edl, edl_path, blend, request)
     return {"blend": str(blend), "strips": len(plan.programme), "frames": plan.frames}
 

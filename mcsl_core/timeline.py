@@ -72,7 +72,7 @@ def pull_from(
     target = edl_path if edl_out is None else edl_out
     if found["changed"]:
         value = edls.to_json(edl)
-        decided = {name: found[name] for name in ("overrides", "corrections")}
+        decided = {name: found[name] for name in ("overrides", "corrections", "look")}
         edl = edls.from_json({**value, **decided}, where=str(blend_path))
     if target.resolve() == edl_path.resolve():
         if found["changed"]:

@@ -30,9 +30,9 @@ def test_it_registers_and_unregisters_twice(built, blender):
         + """
     out = []
     for _ in range(2):
-        out.append([hasattr(bpy.types, "MCSL_PT_timeline"), "build_timeline" in dir(bpy.ops.mcsl)])
+        out.append([hasattr(bpy.types, "MCSL_PT_shots"), "build_timeline" in dir(bpy.ops.mcsl)])
         blender_addon.unregister()
-        out.append([hasattr(bpy.types, "MCSL_PT_timeline"), "build_timeline" in dir(bpy.ops.mcsl)])
+        out.append([hasattr(bpy.types, "MCSL_PT_shots"), "build_timeline" in dir(bpy.ops.mcsl)])
         blender_addon.register()
     """
     )

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The conformed pictures in the sequencer: put in place, muted where they no longer hold, back when they do again.
+
+`outstanding` decides; this does. A strip that holds in part is split there. Muted, not removed: when the editor takes
+the decision back, the exact picture returns at once. What an editor mutes stays muted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import bpy  # pyright: ignore[reportMissingImports]
+
+from mcsl_core.edl import Edl
+from mcsl_core.timing import FrameRange
+
+from . import outstanding, strips
+from . import plan as plans
+from .plan import ConformedPiece
+
+BASIS = "mcsl_conformed_for"  # of the scene: what its conformed pictures were made from
+FALLEN = "mcsl_fallen"  # of a conformed strip: muted because its pictures no longer hold
+
+
+def note_basis(scene: Any, edl: Edl) -> None:
+    """The conformed pictures in place were made for ``edl``."""
+    scene[BASIS] = outstanding.to_text(outstanding.basis_of(edl))
+
+
+def found(scene: Any) -> list[tuple[Any, FrameRange]]:
+    """Every conformed strip and the programme frames it shows, in order."""
+    pairs = []
+    for strip in scene.sequence_editor.strips:
+        if strip.get(strips.ROLE) == "conformed":
+            start, stop = strips.ends(strip)
+            pairs.append((strip, FrameRange(start, stop)))
+    return sorted(pairs, key=lambda pair: pair[1])
+
+
+def any_there(scene: Any) -> bool:
+    return any(strip.get(strips.ROLE) == "conformed" for strip in scene.sequence_editor.strips)
+
+
+def keep_true(scene: Any, now: Edl) -> tuple[tuple[FrameRange, ...], tuple[FrameRange, ...]]:
+    """Mutes what no longer shows what ``now`` decides, unmutes what does again.
+
+    Returns the stretches of the programme without an exact picture, and those of them that lost theirs.
+    """
+    there = found(scene)
+    then = outstanding.from_text(scene.get(BASIS, ""))
+    gone = outstanding.changed(outstanding.basis_of(now), then) if there else ()
+    lost = []
+    for strip, span in there:
+        parts = outstanding.parts(span, gone)
+        for index, part in enumerate(parts):
+            rest = None
+            if index + 1 < len(parts):
+                rest = strip.split(frame=part.range.stop + 1, split_method="SOFT")
+            _set_holds(strip, part.holds)
+            if not part.holds:
+                lost.append(part.range)
+            strip = rest
+    covered = [span for strip, span in found(scene) if not strip.mute]
+    return outstanding.outstanding(now.frames, covered), outstanding.without(lost, ())
+
+
+def _set_holds(strip: Any, holds: bool) -> None:
+    """Touches the strip only where something changes: each touch is a change that handlers hear of."""
+    if not holds and not strip.mute:
+        strip.mute, strip[FALLEN] = True, 1
+    elif holds and strip.get(FALLEN):
+        strip.mute = False
+        del strip[FALLEN]
+
+
+def place(scene: Any, edl: Edl, pieces: Sequence[ConformedPiece], sound: str | None, base: Path) -> Iterator[float]:
+    """Puts the conformed files of ``edl`` in place, one a step (0.15 s each); yields what part is done.
+
+    Files that are in place and whole stay. base: what the paths are relative to.
+    """
+    channel = plans.FIRST_CAMERA_CHANNEL + len(edl.cameras) + 2
+    wanted = {str((base / piece.path).resolve()): piece for piece in pieces}
+    whole = {}
+    for strip, span in found(scene):
+        path = str(Path(bpy.path.abspath(strip.filepath)).resolve())
+        if path in wanted and wanted[path].range == span:
+            whole[path] = strip
+            strip.mute = False
+            strip.pop(FALLEN, None)
+        else:
+            scene.sequence_editor.strips.remove(strip)
+    missing = [piece for path, piece in wanted.items() if path not in whole]
+    # Until all are in place those that are hold for this basis, and the others are not there.
+    note_basis(scene, edl)
+    for index, piece in enumerate(missing):
+        strips.conformed(scene, piece, channel, base)
+        yield (index + 1) / len(missing)
+    if sound is not None:
+        strips.replace_sound(scene, plans.make_plan(edl, (), sound), base)
+    yield 1.0

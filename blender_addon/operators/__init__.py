@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel's buttons, in the order of the work. What they decide stands in the plain modules."""
+
+import bpy  # pyright: ignore[reportMissingImports]
+
+from . import analysis, decisions, delivery, look, recording, timeline
+
+CLASSES = tuple(kind for part in (recording, analysis, timeline, decisions, look, delivery) for kind in part.CLASSES)
+
+
+def register() -> None:
+    for kind in CLASSES:
+        bpy.utils.register_class(kind)
+
+
+def unregister() -> None:
+    for kind in reversed(CLASSES):
+        bpy.utils.unregister_class(kind)

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The camera files an editor picked -> cameras, named as `mcsl analyse` names them; and that command. No bpy."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+from attrs import frozen
+
+_PART = re.compile(r"(.+)[_-]\d{3}", re.DOTALL)
+
+
+@frozen
+class PickedCamera:
+    """A camera and its files, played one after another."""
+
+    name: str
+    files: tuple[str, ...]
+
+
+def cameras_of(paths: Iterable[str]) -> tuple[PickedCamera, ...]:
+    """Files by camera in the order picked: cam1_000.mp4 and cam1_001.mp4 of one folder are parts of cam1."""
+    groups: dict[tuple[str, str], list[str]] = {}
+    for path in paths:
+        file = Path(path)
+        match = _PART.fullmatch(file.stem)
+        groups.setdefault((str(file.parent), match[1] if match else file.name), []).append(path)
+    return tuple(
+        PickedCamera(name if len(files) > 1 else Path(files[0]).stem, tuple(sorted(files, key=_natural)))
+        for (_, name), files in groups.items()
+    )
+
+
+def _natural(text: str) -> list[tuple[int, int, str]]:
+    """A sort key that puts part 2 before part 10."""
+    return [(0, int(t), "") if t.isdigit() else (1, 0, t.casefold()) for t in re.split(r"(\d+)", text) if t]
+
+
+def analyse_command(
+    mcsl: str, files: Sequence[str], edl: str, *, reference: str = "", stages: Mapping[str, str] | None = None
+) -> list[str]:
+    """`mcsl analyse` for a job. stages: option -> plugin's name; '' leaves the default."""
+    command = [mcsl, "--progress", "json", "analyse", "-o", edl]
+    if reference:
+        command += ["--reference", reference]
+    for stage, name in (stages or {}).items():
+        if name:
+            command += [f"--{stage}", name]
+    return [*command, "--", *files]
+
+
+def conform_command(mcsl: str, edl: str) -> list[str]:
+    """`mcsl conform` for a job."""
+    return [mcsl, "--progress", "json", "conform", edl]
+
+
+def plugins_command(mcsl: str) -> list[str]:
+    """`mcsl plugins --json` for a job."""
+    return [mcsl, "plugins", "--json"]

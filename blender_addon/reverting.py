@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Back to the automatic choice: what is to be set in which strip. No bpy."""
+
+from __future__ import annotations
+
+from attrs import frozen
+
+from mcsl_core.edl import Edl
+from mcsl_core.timing import FrameRange
+
+from .plan import automatic_cameras
+from .readback import SequencerState
+
+
+@frozen
+class Setting:
+    """The part ``range`` of a strip shows channel ``source``; None leaves the part as it is."""
+
+    range: FrameRange
+    source: int | None
+
+
+def revert(edl: Edl, state: SequencerState, piece: FrameRange) -> dict[str, tuple[Setting, ...]]:
+    """The strips that decide in ``piece`` and what their parts are to show: by name, parts in order, tiling the strip.
+
+    A camera without a strip leaves its part as it is: nothing could be shown there.
+    """
+    automatic = state.automatic or automatic_cameras(edl)
+    channel = {camera.camera: camera.channel for camera in state.cameras}
+    result = {}
+    for strip in state.strips:
+        if strip.muted or strip.start >= piece.stop or strip.stop <= piece.start:
+            continue
+        points = {strip.start, strip.stop, piece.start, piece.stop}
+        points |= {point for span, _ in automatic for point in (span.start, span.stop)}
+        inside = sorted(p for p in points if strip.start <= p <= strip.stop)
+        settings: list[Setting] = []
+        for start, stop in zip(inside, inside[1:], strict=False):
+            part = FrameRange(max(start, 0), stop) if stop > 0 else None
+            chosen = next((camera for span, camera in automatic if part and start in span), None)
+            source = channel.get(chosen or "") if start in piece else None
+            if settings and settings[-1].source == source and part is not None:
+                settings[-1] = Setting(FrameRange(settings[-1].range.start, stop), source)
+            elif part is not None:
+                settings.append(Setting(part, source))
+        result[strip.name] = tuple(settings)
+    return result

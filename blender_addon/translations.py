@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel in Japanese, through Blender's own mechanism. English is the text itself."""
+
+from __future__ import annotations
+
+import bpy  # pyright: ignore[reportMissingImports]
+
+JAPANESE: dict[tuple[str, str], str] = {}
+
+
+def told(text: str) -> str:
+    """``text`` of a message in the user's language; with {fields} still to be filled in."""
+    return bpy.app.translations.pgettext_rpt(text)
+
+
+def shown(text: str) -> str:
+    """``text`` of a label in the user's language; with {fields} still to be filled in."""
+    return bpy.app.translations.pgettext_iface(text)
+
+
+def register() -> None:
+    bpy.app.translations.register(__package__ or "mcsl", {"ja_JP": JAPANESE})
+
+
+def unregister() -> None:
+    bpy.app.translations.unregister(__package__ or "mcsl")
