@@ -29,9 +29,10 @@ import numpy as np
 
 from benchmarks.speed import CLIP_S, RATE, RESULTS, SIZE
 from mcsl_core.colour import as_matrix
-from mcsl_core.conform import INTERMEDIATE, KEYFRAMES, conform
+from mcsl_core.conform import conform
 from mcsl_core.edl import Camera, Edl, Look, Media, Pose, Shot
 from mcsl_core.progress import Silent
+from mcsl_core.quality import STANDARD
 from mcsl_core.simulation import Scenario, simulate
 from mcsl_core.simulation.truth import best_plane, load_truth
 from mcsl_core.timing import FrameRange
@@ -94,9 +95,9 @@ def transcode(path: Path, out: Path) -> int:
     with av.open(str(path)) as reading, av.open(str(out), "w") as writing:
         stream = reading.streams.video[0]
         stream.thread_type = "AUTO"
-        coded: Any = writing.add_stream(INTERMEDIATE.codec, rate=RATE, options=dict(INTERMEDIATE.options))
+        coded: Any = writing.add_stream(STANDARD.encoding.codec, rate=RATE, options=dict(STANDARD.encoding.options))
         coded.width, coded.height, coded.pix_fmt = stream.width, stream.height, "yuv420p"
-        coded.codec_context.gop_size = KEYFRAMES
+        coded.codec_context.gop_size = STANDARD.group
         for frame in reading.decode(stream):
             frame.pts, frame.time_base, frame.pict_type = count, Fraction(1, RATE), 0
             writing.mux(coded.encode(frame))
@@ -140,7 +141,7 @@ def markdown(rounds: list[dict[str, dict[str, float]]], memory: dict[float, floa
         values = (f"{median(f[unit] for f in of_kind):.0f}" for unit in ("wall_ms", "cpu_ms", "mbit_s", "mib"))
         rows.append(f"| {kind} | {' | '.join((*values, wall, cpu))} | {REACH.get(kind, '')} |")
     short, long = (memory[60.0 * m] for m in MINUTES)
-    options = " ".join(f"{k} {v}" for k, v in INTERMEDIATE.options.items())
+    options = " ".join(f"{k} {v}" for k, v in STANDARD.encoding.options.items())
     return "\n".join(
         [
             "# Speed and memory of conform",
@@ -148,8 +149,8 @@ def markdown(rounds: list[dict[str, dict[str, float]]], memory: dict[float, floa
             f"Made by `python -m benchmarks.conform FOLDER {len(rounds)}` on {date.today().isoformat()}, "
             f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}. {CLIP_S:g} s of "
             f"{SIZE[0]}x{SIZE[1]} at {RATE} frames a second; medians of {len(rounds)} rounds. Encoder of both: "
-            f"{INTERMEDIATE.codec} {options}, a keyframe every {KEYFRAMES} frames. A rate is the yardstick's time "
-            "through the run's, in the same round, with the least and the most.",
+            f"{STANDARD.encoding.codec} {options}, a keyframe every {STANDARD.group} frames. A rate is the "
+            "yardstick's time through the run's, in the same round, with the least and the most.",
             "",
             "| | wall ms a frame | CPU ms | Mbit/s | most MiB | rate by wall time | rate by CPU time | reach |",
             "|---|---|---|---|---|---|---|---|",

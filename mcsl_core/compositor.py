@@ -11,6 +11,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import ExitStack, closing
 from itertools import chain
+from typing import Literal
 
 import attrs
 import cv2
@@ -26,7 +27,7 @@ from .footage import Footage, Player
 from .images import BLACK, U8, Planes, black, blurred, median_planes
 from .timing import FrameRange
 
-VERSION = 2  # rises when the same EDL and media come out differently: conformed chunks are then made again
+VERSION = 3  # rises when the same EDL and media come out differently: conformed chunks are then made again
 # Chroma sample (i, j) lies at luma (2i, 2j + 1/2): MPEG-2's siting, which H.264 and HEVC have by default.
 _CHROMA = np.array([[2.0, 0, 0], [0, 2.0, 0.5], [0, 0, 1]])
 _FROM_CHROMA = np.linalg.inv(_CHROMA)
@@ -35,6 +36,8 @@ _GRID = 4.0  # footprints are worked out anew when the centering has moved by th
 _KEPT_BYTES = 48_000_000  # of warped looks at other moments, which come again frame after frame
 
 Matrix = NDArray[np.float64]
+Resampling = Literal["linear", "lanczos"]  # Lanczos-4 is sharper, at ten times the cost
+_WHITE = (235, 240, 240)  # limited range
 
 
 def translation(dx: float, dy: float) -> Matrix:
@@ -54,19 +57,50 @@ def programme_matrix(edl: Edl, pose: Pose, camera: str, offset: tuple[float, flo
     return matrix / matrix[2, 2]
 
 
-def warp_planes(planes: Planes, matrix: Matrix, rect: Rect) -> Planes:
-    """What lies in ``rect`` of the programme, bilinear, black outside the picture; the identity changes no bit."""
+def warp_planes(planes: Planes, matrix: Matrix, rect: Rect, resampling: Resampling = "linear") -> Planes:
+    """What lies in ``rect`` of the programme, black outside the picture.
+
+    A plane that only moves by whole samples is not resampled: it keeps every bit, and the identity is ``planes``
+    itself.
+    """
     matrix = translation(-rect.x, -rect.y) @ matrix
+    matrix = matrix / matrix[2, 2]
     size = (rect.width, rect.height)
-    if planes.size == size and np.abs(matrix / matrix[2, 2] - np.eye(3)).max() < 1e-9:
+    if planes.size == size and np.abs(matrix - np.eye(3)).max() < 1e-9:
         return planes
     chroma = _FROM_CHROMA @ matrix @ _CHROMA
     half = (rect.width // 2, rect.height // 2)
     y, u, v = (
-        cv2.warpPerspective(plane, m, s, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=edge)
-        for plane, m, s, edge in zip(planes, (matrix, chroma, chroma), (size, half, half), BLACK, strict=True)
+        _warped(plane, m, s, black=BLACK[index], white=_WHITE[index], resampling=resampling)
+        for index, (plane, m, s) in enumerate(zip(planes, (matrix, chroma, chroma), (size, half, half), strict=True))
     )
-    return Planes(y, u, v)  # pyright: ignore[reportArgumentType]
+    return Planes(y, u, v)
+
+
+def _warped(plane: U8, matrix: Matrix, size: tuple[int, int], *, black: int, white: int, resampling: Resampling) -> U8:
+    shift = matrix.round()
+    if np.abs(matrix - shift).max() < 1e-6 and (shift[:2, :2] == np.eye(2)).all() and not shift[2, :2].any():
+        return _moved(plane, int(shift[0, 2]), int(shift[1, 2]), size, black)
+    flags = cv2.INTER_LINEAR if resampling == "linear" else cv2.INTER_LANCZOS4
+    warped = np.asarray(
+        cv2.warpPerspective(plane, matrix, size, flags=flags, borderMode=cv2.BORDER_CONSTANT, borderValue=black),
+        np.uint8,
+    )
+    if resampling == "linear":
+        return warped
+    # Lanczos overshoots at edges: to no code outside limited range that the source has not itself.
+    low, high, *_ = cv2.minMaxLoc(plane)
+    return warped.clip(min(16, int(low)), max(white, int(high)), out=warped)
+
+
+def _moved(plane: U8, dx: int, dy: int, size: tuple[int, int], black: int) -> U8:
+    """``plane`` moved by whole samples on a (width, height) of ``black``."""
+    width, height = size
+    out = np.full((height, width), black, np.uint8)
+    left, top = max(dx, 0), max(dy, 0)
+    part = plane[top - dy : max(height - dy, 0), left - dx : max(width - dx, 0)]
+    out[top : top + part.shape[0], left : left + part.shape[1]] = part
+    return out
 
 
 def footprint(size: tuple[int, int], matrix: Matrix, programme: tuple[int, int]) -> U8:
@@ -75,6 +109,20 @@ def footprint(size: tuple[int, int], matrix: Matrix, programme: tuple[int, int])
     chroma = _FROM_CHROMA @ matrix @ _CHROMA
     half = (programme[0] // 2, programme[1] // 2)
     return cv2.warpPerspective(inside, chroma, half, flags=cv2.INTER_NEAREST)  # pyright: ignore[reportReturnType]
+
+
+def stretches(edl: Edl) -> tuple[tuple[FrameRange, Decision, int], ...]:
+    """What the viewer gets, cut also where poses meet: range, decision, number of the pose. They tile [0, frames)."""
+    found, number = [], 0
+    for piece, decision in resolve(edl):
+        while edl.poses[number].range.stop <= piece.start:
+            number += 1
+        for at in range(number, len(edl.poses)):
+            part = piece.intersection(edl.poses[at].range)
+            if part is None:
+                break
+            found.append((part, decision, at))
+    return tuple(found)
 
 
 def still_range(edl: Edl, pose: Pose) -> FrameRange:
@@ -162,11 +210,11 @@ class _View:
 
     def footprint(self, camera: str, frame: int | None = None) -> U8:
         edl = self.compositor.edl
-        pose = edl.poses[self.number] if frame is None else edl.pose_at(frame)
-        if placed(edl, pose, camera) is None:
+        number = self.number if frame is None else self.compositor.pose_number(frame)
+        if not self.compositor.knows(number, camera):
             return np.zeros((edl.size[1] // 2, edl.size[0] // 2), np.uint8)
         dx, dy = (round(v / _GRID) * _GRID for v in self.offset)
-        mask = footprint(edl.camera(camera).size, programme_matrix(edl, pose, camera, (dx, dy)), edl.size)
+        mask = footprint(edl.camera(camera).size, self.compositor.matrix(number, camera, (dx, dy)), edl.size)
         if (dx, dy) != self.offset:  # shared by offsets up to half the grid away: seen by all of them
             mask = cv2.erode(mask, np.ones((3, 3), np.uint8), borderType=cv2.BORDER_REPLICATE)
         return mask  # pyright: ignore[reportReturnType]
@@ -180,7 +228,7 @@ class _View:
 
     def _median(self, camera: str, rect: Rect, moments: Sequence[int], blur_px: float) -> Planes | None:
         number = self.compositor.pose_number(moments[0])
-        if placed(self.compositor.edl, self.compositor.edl.poses[number], camera) is None:
+        if not self.compositor.knows(number, camera):
             return None
         border = 2 * round(1.5 * blur_px)
         wide = rect.grown(border)
@@ -194,9 +242,8 @@ class _View:
     def _look(self, camera: str, rect: Rect, planes: Planes | None, number: int) -> Planes | None:
         if planes is None:
             return None
-        pose = self.compositor.edl.poses[number]
-        patch = warp_planes(planes, programme_matrix(self.compositor.edl, pose, camera, self.offset), rect)
-        match = pose.colour.get(camera) if self.colour else None
+        patch = self.compositor.warped(planes, number, camera, self.offset, rect)
+        match = self.compositor.edl.poses[number].colour.get(camera) if self.colour else None
         return patch if match is None else apply(patch, match)
 
 
@@ -225,14 +272,19 @@ class Compositor:
     for a comparison with or without the aids.
     """
 
-    def __init__(self, edl: Edl, footage: Footage, *, filler: Filler | None = None, look: Look | None = None) -> None:
+    def __init__(
+        self,
+        edl: Edl,
+        footage: Footage,
+        *,
+        filler: Filler | None = None,
+        look: Look | None = None,
+        resampling: Resampling = "linear",
+    ) -> None:
         self.edl, self.footage, self.filler = edl, footage, filler or FootprintFiller()
-        self._stretches = tuple(
-            (part, _looked(decision, look), number)
-            for piece, decision in resolve(edl)
-            for number, pose in enumerate(edl.poses)
-            if (part := piece.intersection(pose.range))
-        )
+        self._resampling: Resampling = resampling
+        self._stretches = tuple((part, _looked(decision, look), number) for part, decision, number in stretches(edl))
+        self._matrices: dict[tuple[int, str], tuple[Matrix, bool]] = {}
         self.still = tuple(still_range(edl, pose) for pose in edl.poses)
         self.patches = _Patches()
         self._others: dict[tuple[int, str], tuple[str, ...]] = {}
@@ -259,16 +311,36 @@ class Compositor:
     def pose_number(self, frame: int) -> int:
         return bisect_right(self.edl.poses, frame, key=lambda pose: pose.range.start) - 1
 
+    def knows(self, number: int, camera: str) -> bool:
+        """Whether it is known where the camera's picture lies in pose ``number``."""
+        return self._placed(number, camera)[1]
+
+    def matrix(self, number: int, camera: str, offset: tuple[float, float]) -> Matrix:
+        """As `programme_matrix`, each worked out once: a frame asks for some dozens."""
+        matrix, known = self._placed(number, camera)
+        return translation(*offset) @ matrix if known else matrix
+
+    def _placed(self, number: int, camera: str) -> tuple[Matrix, bool]:
+        key = number, camera
+        if key not in self._matrices:
+            pose = self.edl.poses[number]
+            matrix = programme_matrix(self.edl, pose, camera)
+            self._matrices[key] = matrix, placed(self.edl, pose, camera) is not None
+        return self._matrices[key]
+
+    def warped(self, planes: Planes, number: int, camera: str, offset: tuple[float, float], rect: Rect) -> Planes:
+        """What a picture of ``camera`` shows in ``rect`` of the programme in pose ``number``."""
+        return warp_planes(planes, self.matrix(number, camera, offset), rect, self._resampling)
+
     def others(self, number: int, camera: str) -> tuple[str, ...]:
         """Who may stand in for ``camera`` in a pose: the reference, then by closeness of viewpoint."""
         key = number, camera
         if key not in self._others:
-            edl, pose = self.edl, self.edl.poses[number]
-            front, size = programme_matrix(edl, pose, camera), edl.camera(camera).size
-            known = [c.name for c in edl.cameras if c.name != camera and placed(edl, pose, c.name) is not None]
+            front, size = self._placed(number, camera)[0], self.edl.camera(camera).size
+            known = [c.name for c in self.edl.cameras if c.name != camera and self.knows(number, c.name)]
 
             def apart(name: str) -> tuple[bool, float]:
-                return name != edl.reference, viewpoint_difference(front, programme_matrix(edl, pose, name), size)
+                return name != self.edl.reference, viewpoint_difference(front, self._placed(number, name)[0], size)
 
             self._others[key] = tuple(sorted(known, key=apart))
         return self._others[key]
@@ -306,9 +378,8 @@ class Compositor:
         match = pose.colour.get(camera) if decision.colour else None
         if match is not None:
             planes = apply(planes, match)
-        whole = Rect(0, 0, *edl.size)
-        front = warp_planes(planes, programme_matrix(edl, pose, camera, offset), whole)
-        if not decision.fill or placed(edl, pose, camera) is None:
+        front = self.warped(planes, number, camera, offset, Rect(0, 0, *edl.size))
+        if not decision.fill or not self.knows(number, camera):
             return front
         return self.filler.fill(_View(self, frame, camera, front, number, offset, decision.colour, previous))
 

@@ -1,64 +1,38 @@
 """Conform: the exact full-resolution programme pictures as media that Blender cuts, and the programme's sound.
 
-The programme is cut into chunks on a fixed grid of ten seconds from frame 0. A chunk's name holds a hash of everything
-its pixels depend on: the effective decisions in it, poses, colours, centering, the sources' content, clocks, filler,
-encoder and the versions of the algorithms. So a changed override makes again the chunks it touches and no others, an
-interrupted run loses the chunks it was at, and runs need no record of what they did. The grid does not follow the
-shots: an editor moves cuts, and boundaries that moved along would orphan whole chunks beside the change; and Blender
-takes 0.15 s and more for each movie strip, so that 2,000 shots must not become 2,000 files.
+`chunks` says which files there shall be; those that are missing are made here, several at a time, each under its own
+name only when it is whole. So an interrupted run loses the chunks it was at, and the same command carries on.
 """
 
 from __future__ import annotations
 
-import hashlib
+import os
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from fractions import Fraction
-from functools import lru_cache
-from itertools import product
 from pathlib import Path
-from typing import Any
 
 import attrs
 import cv2
 from attrs import frozen
 
-from . import compositor as compositing
-from .compositor import Compositor
-from .decisions import Decision, offset_at, placed, resolve, shift_at
-from .documents import canonical_json
-from .edl import Camera, Edl
+from .chunks import Chunk, cameras_of, content_of, is_chunk, plan
+from .compositor import Compositor, Resampling, stretches
+from .edl import Edl
 from .errors import Cancelled, UsageError
 from .filling import Filler, FootprintFiller
 from .footage import Footage
 from .images import Planes, resize_planes
-from .media import fingerprint
 from .programme_sound import AUDIO_RATE, sound_key, sound_of, write_wav
 from .progress import Progress, Silent
-from .timing import FrameRange, merge_equal
+from .quality import STANDARD, Quality, as_good_as
+from .timing import FrameRange
 from .video import Encoding, VideoWriter
 
-VERSION = 1  # rises when chunks come out differently for a reason that no key holds
-CHUNK_S = compositing.BLOCK_S
-KEYFRAMES = 15  # scrubbing in Blender decodes from the keyframe before: 15 frames are 0.1 s
-# No B-frames: a tenth larger, but decoding order is showing order, which every player seeks right.
-INTERMEDIATE = Encoding(options={"preset": "superfast", "crf": "14", "bf": "0"})
-_SUFFIX = ".mp4"
 _STALE_S = 3600
-
-
-@frozen
-class Chunk:
-    """One file of conformed pictures: which programme frames, the hash they depend on, and the file's name."""
-
-    range: FrameRange
-    key: str
-
-    @property
-    def name(self) -> str:
-        return f"{self.range.start:07d}-{self.range.stop:07d}-{self.key}{_SUFFIX}"
+_MOST_JOBS = 8  # 150 MiB each at 1080p
 
 
 @frozen
@@ -79,132 +53,6 @@ def default_folder(edl_path: Path) -> Path:
     return edl_path.with_name(f"{edl_path.stem}.conformed")
 
 
-# -------------------------------------------------------------------------------------------------------- planning
-
-
-@lru_cache(maxsize=256)
-def _content(path: Path, _size: int, _changed_ns: int) -> str:
-    return fingerprint(path)
-
-
-def content_of(camera: Camera, base: Path) -> list[str]:
-    """Content keys of a camera's files as they are now; InputError where one is gone."""
-    keys = []
-    for media in camera.media:
-        path = base / media.path
-        if path.is_file():
-            state = path.stat()
-            keys.append(_content(path, state.st_size, state.st_mtime_ns))
-        else:
-            keys.append(fingerprint(path))  # says what is wrong
-    return keys
-
-
-def plan(edl: Edl, base: Path, *, filler: Filler | None = None, encoding: Encoding = INTERMEDIATE) -> tuple[Chunk, ...]:
-    """The chunks that tile the programme, and their keys. Reads three blocks of each source, decodes nothing.
-
-    Chunks that no decision, pose or source distinguishes from the last plan's have the same key and name.
-    """
-    filler = filler or FootprintFiller()
-    step = max(1, round(CHUNK_S * edl.rate))
-    content: dict[str, Any] = {}
-    decisions = resolve(edl)
-
-    def source(name: str) -> Any:
-        if name not in content:
-            camera = edl.camera(name)
-            clock = [camera.clock.offset_s, camera.clock.drift_ppm]
-            gaps = [[g.start, g.stop] for g in camera.gaps]
-            content[name] = [name, content_of(camera, base), list(camera.size), clock, gaps]
-        return content[name]
-
-    def around(number: int, decision: Decision, part: FrameRange) -> Any:
-        """Where the fill may look beside the frame itself; at other poses only where this one leaves something open."""
-        pose = edl.poses[number]
-        still = compositing.still_range(edl, pose)
-        offsets = tuple(shift_at(edl, decision, row[0]) for row in _offsets(edl, part))
-        key = number, offsets
-        if key not in open_:
-            open_[key] = not compositing.covered(edl, pose, offsets)
-        return [[still.start, still.stop], *(beside(n) for n in compositing.elsewhere(edl, number) if open_[key])]
-
-    @lru_cache
-    def beside(number: int) -> Any:
-        pose = edl.poses[number]
-        still = compositing.still_range(edl, pose)
-        names = [c.name for c in edl.cameras if placed(edl, pose, c.name) is not None]
-        colours = {n: pose.colour[n].matrix for n in names if n in pose.colour}
-        places = {n: placed(edl, pose, n) for n in names}
-        return [[still.start, still.stop], places, colours, [source(n) for n in names]]
-
-    chunks = []
-    open_: dict[Any, bool] = {}
-    for start in range(0, edl.frames, step):
-        piece = FrameRange(start, min(start + step, edl.frames))
-        block = start - start % compositing.block_frames(edl) if filler.remembers else start
-        before = compositing.remembered(block) if filler.remembers else ()
-        spans = (*(FrameRange(frame, frame + 1) for frame in before), FrameRange(block, piece.stop))
-        parts: list[tuple[FrameRange, Any]] = []
-        for span, (stretch, decision) in product(spans, decisions):
-            for number, pose in enumerate(edl.poses):
-                part = stretch.intersection(span)
-                part = part and part.intersection(pose.range)
-                if part is None:
-                    continue
-                cameras = {decision.camera, edl.reference}
-                if decision.fill:
-                    cameras |= {c.name for c in edl.cameras if placed(edl, pose, c.name) is not None}
-                facts = {
-                    "decision": [
-                        decision.camera,
-                        decision.offset if decision.centering and decision.offset else decision.centering,
-                        decision.fill,
-                        decision.colour,
-                    ],
-                    "sources": [source(camera.name) for camera in edl.cameras if camera.name in cameras],
-                    "placed": {n: placed(edl, pose, n) for n in sorted(cameras)},
-                }
-                if decision.colour:
-                    facts["colour"] = {n: pose.colour[n].matrix for n in sorted(cameras) if n in pose.colour}
-                if decision.fill:
-                    facts["still"] = around(number, decision, part)
-                parts.append((part, facts))
-        key = _digest(
-            {
-                "versions": [VERSION, compositing.VERSION, filler.name, filler.version],
-                "programme": [str(edl.rate), list(edl.size), edl.reference],
-                "encoding": attrs.asdict(encoding),
-                "range": [piece.start, piece.stop],
-                # merged, since it does not matter whether an editor or the analysis chose what is shown
-                "parts": [
-                    [part.start, part.stop, facts, _offsets(edl, part) if facts["decision"][1] is True else None]
-                    for part, facts in merge_equal(parts)
-                ],
-            }
-        )
-        chunks.append(Chunk(piece, key))
-    return tuple(chunks)
-
-
-def _offsets(edl: Edl, part: FrameRange) -> list[Any]:
-    """The centering over ``part``: its ends and the keys between, which is all that linear motion depends on."""
-    inside = [key[0] for key in edl.centering if part.start < key[0] < part.stop - 1]
-    return [[frame, *offset_at(edl.centering, frame)] for frame in (part.start, *inside, part.stop - 1)]
-
-
-def _digest(value: Any) -> str:
-    """A hash that an EDL keeps when it is saved and loaded: numbers as the document writes them."""
-    return hashlib.sha256(canonical_json(_plain(value)).encode()).hexdigest()[:20]
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {str(k): _plain(value[k]) for k in sorted(value)}
-    if isinstance(value, list | tuple):
-        return [_plain(v) for v in value]
-    return float(value) if isinstance(value, int) else value
-
-
 # ---------------------------------------------------------------------------------------------------------- making
 
 
@@ -214,41 +62,39 @@ def conform(
     out: Path,
     *,
     filler: Filler | None = None,
-    jobs: int = 2,
+    jobs: int | None = None,
     prune: bool = False,
     audio_from: str | None = None,
-    encoding: Encoding = INTERMEDIATE,
+    quality: Quality = STANDARD,
     progress: Progress | None = None,
 ) -> Conformed:
     """Makes the chunks that ``out`` lacks, ``jobs`` at a time, and the programme's sound; returns what is there.
 
-    base: the folder that media paths are relative to. audio_from: the camera whose sound it is, the reference without.
-    prune: afterwards delete the chunks and sound that this EDL does not use. A run that is stopped leaves whole chunks
-    only, and the next carries on. Raises what reading or writing raises, and Cancelled.
+    base: the folder that media paths are relative to. jobs: one a core without. audio_from: the camera whose sound it
+    is, the reference without. prune: afterwards delete the chunks and sound that this EDL does not use, and chunks of a
+    lesser quality. A run that is stopped leaves whole chunks only, and the next carries on. Raises what reading or
+    writing raises, and Cancelled.
     """
     progress = progress or Silent()
     filler = filler or FootprintFiller()
+    jobs = min(os.cpu_count() or 1, _MOST_JOBS) if jobs is None else jobs
     if jobs < 1:
         raise UsageError(f"at least one chunk is made at a time, got {jobs}", remedy="Choose 1 or more jobs")
-    chunks = plan(edl, base, filler=filler, encoding=encoding)
+    chunks = plan(edl, base, filler=filler, quality=quality)
     out.mkdir(parents=True, exist_ok=True)
     _sweep(out)
     _tell_of_changed_media(edl, base, progress)
     audio = _make_sound(edl, base, out, audio_from, progress)
     missing = [chunk for chunk in chunks if not (out / chunk.name).is_file()]
     if missing:
-        _make_chunks(edl, base, out, missing, filler, jobs, encoding, progress)
+        _make_chunks(edl, base, out, missing, filler, min(jobs, len(missing)), quality, progress)
     if prune:
-        keep = {chunk.name for chunk in chunks} | ({audio.name} if audio else set())
+        keep = {chunk.name for each in as_good_as(quality) for chunk in plan(edl, base, filler=filler, quality=each)}
+        keep |= {audio.name} if audio else set()
         for path in out.iterdir():
-            if path.name not in keep and (_is_chunk(path.name) or _is_sound(path.name)):
+            if path.name not in keep and (is_chunk(path.name) or _is_sound(path.name)):
                 path.unlink()
     return Conformed(out, chunks, audio, len(missing))
-
-
-def _is_chunk(name: str) -> bool:
-    parts = name.removesuffix(_SUFFIX).split("-")
-    return name.endswith(_SUFFIX) and len(parts) == 3 and parts[0].isdigit() and parts[1].isdigit()
 
 
 def _is_sound(name: str) -> bool:
@@ -263,7 +109,8 @@ def _sweep(out: Path) -> None:
 
 
 def _tell_of_changed_media(edl: Edl, base: Path, progress: Progress) -> None:
-    for camera in edl.cameras:
+    needed = {name for _, decision, number in stretches(edl) for name in cameras_of(edl, edl.poses[number], decision)}
+    for camera in (camera for camera in edl.cameras if camera.name in needed):
         for media, now in zip(camera.media, content_of(camera, base), strict=True):
             if media.fingerprint and media.fingerprint != now:
                 progress.note(f"{media.path} of {camera.name} has changed since the analysis")
@@ -292,14 +139,15 @@ def _make_chunks(
     missing: list[Chunk],
     filler: Filler,
     jobs: int,
-    encoding: Encoding,
+    quality: Quality,
     progress: Progress,
 ) -> None:
     """Threads, not processes: decoding, warping and encoding run outside Python's lock, and plugins need no pickling.
 
     Each job decodes and encodes in one thread of its own; two jobs then keep two cores as busy as frame threads do,
-    without waiting for each other.
+    without waiting for each other. A single chunk, as an override leaves it, gets the threads of all cores.
     """
+    encoding = quality.encoding
     progress.stage("Conforming", sum(len(chunk.range) for chunk in missing), "frames")
     footage = _footage(edl, base, threads=0 if jobs == 1 else 1)
     if jobs > 1 and encoding.codec == "libx264":
@@ -308,9 +156,9 @@ def _make_chunks(
 
     def make(chunk: Chunk) -> None:
         with (
-            Compositor(edl, footage, filler=filler) as compositor,
+            Compositor(edl, footage, filler=filler, resampling=quality.resampling) as compositor,
             VideoWriter(
-                out / chunk.name, size=edl.size, rate=edl.rate, encoding=encoding, keyframe_interval=KEYFRAMES
+                out / chunk.name, size=edl.size, rate=edl.rate, encoding=encoding, keyframe_interval=quality.group
             ) as writer,
         ):
             for planes in compositor.frames(chunk.range):
@@ -345,10 +193,15 @@ def _make_chunks(
 
 
 def programme_frames(
-    edl: Edl, base: Path, piece: FrameRange | None = None, *, filler: Filler | None = None
+    edl: Edl,
+    base: Path,
+    piece: FrameRange | None = None,
+    *,
+    filler: Filler | None = None,
+    resampling: Resampling = "linear",
 ) -> Iterator[Planes]:
     """The programme's pictures over ``piece`` (all of it without), one after another, in flat memory."""
-    with Compositor(edl, _footage(edl, base, threads=0), filler=filler) as compositor:
+    with Compositor(edl, _footage(edl, base, threads=0), filler=filler, resampling=resampling) as compositor:
         yield from compositor.frames(piece or FrameRange(0, edl.frames))
 
 
@@ -364,6 +217,7 @@ def write_direct(
     audio_from: str | None = None,
     audio_channels: int = 1,
     keyframe_interval: int | None = None,
+    resampling: Resampling = "linear",
     progress: Progress | None = None,
 ) -> None:
     """Writes the programme (or ``piece`` of it) with sound to ``path`` without Blender, in flat memory.
@@ -380,7 +234,7 @@ def write_direct(
     progress.stage("Writing the programme", len(piece), "frames")
     sound = footage.audio_blocks(camera, start_s, stop_s, AUDIO_RATE, block_s=1.0)
     with (
-        Compositor(edl, footage, filler=filler) as compositor,
+        Compositor(edl, footage, filler=filler, resampling=resampling) as compositor,
         VideoWriter(
             path,
             size=size or edl.size,

@@ -12,8 +12,8 @@ from . import edl as edls
 from . import presets
 from .blender import Blender
 from .blender_child import run
-from .conform import Chunk, content_of, default_folder
-from .conform import plan as conform_plan
+from .chunks import Chunk, content_of, present
+from .conform import default_folder
 from .edl import Edl
 from .errors import InputError, UsageError
 from .plugins import filler_of
@@ -120,12 +120,14 @@ def timeline_request(
 
 
 def in_place(edl: Edl, base: Path, folder: Path) -> tuple[list[dict[str, Any]], str | None]:
-    """The conformed files in ``folder`` that belong to ``edl`` as it is: their ranges and paths, and the sound's."""
+    """The conformed files in ``folder`` that belong to ``edl`` as it is: their ranges and paths, and the sound's.
+
+    Of each stretch the one of the finest quality that is there, whatever quality was conformed last.
+    """
     if not folder.is_dir():
         return [], None
     folder = folder.resolve()
-    chunks = conform_plan(edl, base, filler=filler_of(edl))
-    pieces = [piece_of(chunk, folder) for chunk in chunks if (folder / chunk.name).is_file()]
+    pieces = [piece_of(chunk, folder) for chunk in present(edl, base, folder, filler=filler_of(edl))]
     camera = sound_of(edl, None)
     sound = folder / f"sound-{sound_key(edl, camera, content_of(edl.camera(camera), base))}.wav"
     return pieces, str(sound) if sound.is_file() else None

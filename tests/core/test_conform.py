@@ -1,13 +1,16 @@
 """Conformed media read back with PyAV and `wave` alone; keys change with what the pixels depend on and nothing else."""
 
+import json
 import os
 import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 import wave
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 
 import attrs
@@ -16,13 +19,16 @@ import numpy as np
 import pytest
 from coded_video import SIZE, read_number, write_coded
 
-from mcsl_core import conform as conforming
+from mcsl_core import chunks as chunking
 from mcsl_core import edl as document
-from mcsl_core.conform import conform, default_folder, plan, programme_frames, write_direct
+from mcsl_core.chunks import plan
+from mcsl_core.conform import conform, default_folder, programme_frames, write_direct
 from mcsl_core.edl import Camera, Clock, Colour, Edl, Look, Media, Override, Pose, Shot
 from mcsl_core.errors import Cancelled, InputError, UsageError
 from mcsl_core.filling import ReferenceFiller
 from mcsl_core.progress import Silent
+from mcsl_core.quality import DRAFT, FINE, QUALITIES, STANDARD, named
+from mcsl_core.timeline import in_place
 from mcsl_core.timing import FrameRange
 from mcsl_core.video import Encoding
 
@@ -34,7 +40,7 @@ CLICK_S = 2.0
 
 @pytest.fixture(autouse=True)
 def short_chunks(monkeypatch):
-    monkeypatch.setattr(conforming, "CHUNK_S", 1)
+    monkeypatch.setattr(chunking, "CHUNK_S", 1)
 
 
 def click_track(seconds, at_s):
@@ -125,7 +131,9 @@ def test_keys_follow_what_the_pixels_depend_on(sources, tmp_path):
     centred = make(look=Look(True, False, False), centering=((0, 0.0, 0.0), (60, 0.0, 0.0), (90, 9.0, 0.0)))
     moved = attrs.evolve(centred, centering=((0, 0.0, 0.0), (60, 0.0, 0.0), (90, 12.0, 0.0)))
     assert changed(plan(centred, sources), plan(moved, sources)) == [60, 90, 120]
-    assert changed(base, plan(make(), sources, encoding=Encoding())) == every
+    assert changed(base, plan(make(), sources, quality=DRAFT)) == every
+    assert changed(base, plan(make(), sources, quality=attrs.evolve(STANDARD, resampling="lanczos"))) == every
+    assert changed(base, plan(make(), sources, quality=attrs.evolve(STANDARD, group=7))) == every
     # Where the filler remembers the frames before, those of its block of ten seconds count too.
     remembered = plan(make(), sources, filler=ReferenceFiller())
     touched = plan(make(overrides=(Override(FrameRange(50, 59), camera="a"),)), sources, filler=ReferenceFiller())
@@ -154,8 +162,6 @@ def test_chunks_hold_the_programme_and_runs_resume(sources, tmp_path, jobs):
     with av.open(str(done.path(done.chunks[0]))) as container:
         context = container.streams.video[0].codec_context
         assert (context.colorspace, context.color_range, context.pix_fmt) == (1, 1, "yuv420p")
-        keys = [p.pts for p in container.demux(video=0) if p.is_keyframe]
-        assert len(keys) == 2
     before = {p.name: p.stat().st_mtime_ns for p in out.iterdir()}
     assert conform(make(), sources, out, jobs=jobs).made == 0
     done.path(done.chunks[2]).unlink()
@@ -211,34 +217,50 @@ def test_stopping_does_not_wait_for_the_chunk_to_end(sources, tmp_path, monkeypa
             time.sleep(0.02)
             return view.front
 
-    monkeypatch.setattr(conforming, "CHUNK_S", 100)
+    monkeypatch.setattr(chunking, "CHUNK_S", 100)
     edl = make(look=Look(False, True, False))
     with pytest.raises(Cancelled):
         conform(edl, sources, tmp_path, filler=Slow(), jobs=2, progress=StopsAfter(0))
     assert not list(tmp_path.glob("*.mp4"))
 
 
+# A conform of a second a chunk that takes its time: 30 ms a frame, so that there is something to interrupt.
+SLOWLY = """
+import sys, time
+from mcsl_core import chunks, filling
+from mcsl_core.cli import main
+chunks.CHUNK_S = 1
+filling.FootprintFiller.fill = lambda self, view: time.sleep(0.03) or view.front
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def slowly(edl, path, out):
+    """A child process that conforms ``edl``, one chunk after another, and tells how far it is."""
+    document.save(edl, path)
+    call = [sys.executable, "-c", SLOWLY, "--progress", "json", "conform", path, "-o", out, "--jobs", "1"]
+    return subprocess.Popen(call, cwd=Path(__file__).parents[2], stdout=subprocess.PIPE, text=True)
+
+
 def test_a_killed_run_loses_what_it_was_at(sources, tmp_path):
-    out = tmp_path / "out"
-    document.save(make(), sources / "edl.json")
-    script = (
-        "import sys; from pathlib import Path; from mcsl_core import conform, edl\n"
-        "conform.CHUNK_S = 1\n"
-        "conform.conform(edl.load(sys.argv[1]), Path(sys.argv[1]).parent, Path(sys.argv[2]), jobs=1)"
-    )
-    root = Path(__file__).parents[2]
-    child = subprocess.Popen([sys.executable, "-c", script, sources / "edl.json", out], cwd=root)
+    out, edl = tmp_path / "out", make(look=Look(False, True, False))
+    child = slowly(edl, sources / "killed.json", out)
     until = time.monotonic() + 60
     while not list(out.glob("*.mp4")) and time.monotonic() < until:
         time.sleep(0.005)
     child.send_signal(signal.SIGKILL)
-    child.wait()
-    for path in out.glob("*.mp4"):
+    assert child.stdout is not None
+    child.stdout.close()
+    assert child.wait() == -signal.SIGKILL
+    survived = {path: path.stat().st_mtime_ns for path in out.glob("*.mp4")}
+    assert 1 <= len(survived) < 5
+    for path in survived:
         assert len(shown(path)) in (30, 10)
     for part in out.glob(".*.part"):
         os.utime(part, (1, 1))  # as if it were long ago
-    done = conform(make(), sources, out)
-    assert done.made < 5
+    done = conform(edl, sources, out)
+    assert done.made == 5 - len(survived)
+    assert {path: path.stat().st_mtime_ns for path in survived} == survived
     assert not list(out.glob(".*"))
     assert [n for chunk in done.chunks for n in shown(done.path(chunk))] == EXPECTED
 
@@ -253,6 +275,107 @@ def test_a_fault_in_a_job_comes_out_and_leaves_nothing_half_made(sources, tmp_pa
     with pytest.raises(RuntimeError, match="no paint"):
         conform(make(look=Look(False, True, False)), sources, tmp_path, filler=Fails())
     assert not list(tmp_path.glob(".*"))
+
+
+def workers():
+    return [thread.name for thread in threading.enumerate() if thread.name.startswith("conform")]
+
+
+def test_no_thread_is_left_however_it_ends(sources, tmp_path):
+    before = threading.active_count()
+    conform(make(), sources, tmp_path / "whole", jobs=2)
+    assert not workers()
+    with pytest.raises(Cancelled):
+        conform(make(), sources, tmp_path / "stopped", jobs=2, progress=StopsAfter(1))
+    assert not workers()
+    assert threading.active_count() == before
+
+
+def test_ctrl_c_leaves_whole_files_and_the_same_command_carries_on(sources, tmp_path):
+    out, edl = tmp_path / "out", make(look=Look(False, True, False))
+    child = slowly(edl, sources / "stopped.json", out)
+    assert child.stdout is not None
+    lines = (json.loads(line) for line in child.stdout)
+    assert any(line.get("stage") == "Conforming" for line in lines)
+    assert any(line.get("done") for line in lines)
+    child.send_signal(signal.SIGINT)
+    last = list(lines)[-1]
+    child.stdout.close()
+    assert child.wait() == 130
+    assert last["error"]["exit_code"] == 130
+    assert not list(out.glob(".*"))
+    assert len(list(out.glob("*.mp4"))) < 5
+    for path in out.glob("*.mp4"):
+        assert len(shown(path)) in (30, 10)
+    done = conform(edl, sources, out)
+    assert [n for chunk in done.chunks for n in shown(done.path(chunk))] == EXPECTED
+
+
+def test_only_the_cameras_that_are_needed_must_be_there(sources, tmp_path):
+    folder = tmp_path / "one camera"
+    folder.mkdir()
+    shutil.copy(sources / "a.mp4", folder)
+    edl = make(shots=(Shot(FrameRange(0, FRAMES), "a"),))
+    done = conform(edl, folder, tmp_path / "out")
+    assert [n for chunk in done.chunks for n in shown(done.path(chunk))] == list(range(FRAMES))
+    with pytest.raises(InputError, match=r"b\.mp4"):  # the fill may look at it
+        conform(attrs.evolve(edl, look=Look(False, True, False)), folder, tmp_path / "filled")
+
+
+def groups(path):
+    """How many frames lie between the keyframes of a file."""
+    with av.open(str(path)) as container:
+        packets = [packet for packet in container.demux(video=0) if packet.size]
+    assert all(packet.pts == packet.dts for packet in packets)  # no B-frames: decoding order is showing order
+    starts = [index for index, packet in enumerate(packets) if packet.is_keyframe]
+    return {b - a for a, b in pairwise(starts)}
+
+
+def test_qualities_lie_beside_each_other_and_a_timeline_takes_the_finest(sources, tmp_path):
+    made = {name: conform(make(), sources, tmp_path, quality=quality) for name, quality in QUALITIES.items()}
+    assert [done.made for done in made.values()] == [5, 5, 5]
+    names = [chunk.name for done in made.values() for chunk in done.chunks]
+    assert len(set(names)) == len(names)
+    sizes = [sum(done.path(chunk).stat().st_size for chunk in done.chunks) for done in made.values()]
+    assert sizes == sorted(sizes)
+
+    def there(edl=None):
+        pieces, _ = in_place(edl or make(), sources, tmp_path)
+        return [Path(piece["path"]).name for piece in pieces]
+
+    fine, standard, draft = ([c.name for c in made[name].chunks] for name in ("fine", "standard", "draft"))
+    assert there() == fine
+    made["fine"].path(made["fine"].chunks[1]).unlink()
+    made["fine"].path(made["fine"].chunks[3]).unlink()
+    made["standard"].path(made["standard"].chunks[3]).unlink()
+    assert there() == [fine[0], standard[1], fine[2], draft[3], fine[4]]
+    decided = make(overrides=(Override(FrameRange(70, 75), camera="a"),))
+    assert there(decided) == [fine[0], standard[1], draft[3], fine[4]]
+    again = conform(decided, sources, tmp_path, quality=DRAFT)
+    assert again.made == 1
+    assert there(decided) == [fine[0], standard[1], again.chunks[2].name, draft[3], fine[4]]
+
+
+def test_groups_are_as_long_as_the_quality_says(sources, tmp_path, monkeypatch):
+    monkeypatch.setattr(chunking, "CHUNK_S", 100)
+    for quality in (STANDARD, attrs.evolve(STANDARD, group=13)):
+        done = conform(make(), sources, tmp_path, quality=quality, jobs=1)
+        assert groups(done.path(done.chunks[0])) == {quality.group}
+
+
+def test_prune_keeps_what_is_as_good(sources, tmp_path):
+    fine, draft = (conform(make(), sources, tmp_path, quality=quality) for quality in (FINE, DRAFT))
+    conform(make(), sources, tmp_path, quality=DRAFT, prune=True)
+    assert all(done.path(chunk).is_file() for done in (fine, draft) for chunk in done.chunks)
+    conform(make(), sources, tmp_path, quality=FINE, prune=True)
+    assert {path.name for path in tmp_path.glob("*.mp4")} == {chunk.name for chunk in fine.chunks}
+
+
+def test_a_quality_has_a_name():
+    assert named("draft") is DRAFT
+    assert [quality.name for quality in QUALITIES.values()] == list(QUALITIES)
+    with pytest.raises(UsageError, match="draft, standard, fine"):
+        named("best")
 
 
 def wav(path):
