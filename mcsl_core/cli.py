@@ -190,24 +190,36 @@ def pull(session: Session, blend: Path, out: Path | None, blender: str | None) -
 @cli.command()
 @click.argument("edl", type=PATH)
 @click.option("-o", "--out", type=PATH, help="Folder of the conformed media (default: EDL's name + .conformed).")
-@click.option("--jobs", default=2, show_default=True, help="Chunks made at the same time.")
+@click.option(
+    "--quality", default="standard", show_default=True, help="Of the conformed pictures: draft, standard or fine."
+)
+@click.option("--jobs", type=int, help="Chunks made at the same time (default: one a core).")
 @click.option("--prune", is_flag=True, help="Delete chunks that the EDL no longer needs.")
 @click.pass_obj
-def conform(session: Session, edl: Path, out: Path | None, jobs: int, prune: bool) -> None:
+def conform(session: Session, edl: Path, out: Path | None, quality: str, jobs: int | None, prune: bool) -> None:
     """Make the exact programme pictures of EDL.
 
     From the original media, in full resolution, in chunks: only what is missing or changed is made.
+    Qualities lie beside each other; a timeline shows the finest there is of each stretch.
     """
     from . import conform as conforming
     from . import edl as document
     from .plugins import filler_of
+    from .quality import named
     from .timeline import piece_of
 
-    decided = document.load(edl)
+    kind, decided = named(quality), document.load(edl)
     folder = out or conforming.default_folder(edl)
     with session.progress() as progress:
         done = conforming.conform(
-            decided, edl.parent, folder, filler=filler_of(decided, progress), jobs=jobs, prune=prune, progress=progress
+            decided,
+            edl.parent,
+            folder,
+            filler=filler_of(decided, progress),
+            jobs=jobs,
+            prune=prune,
+            quality=kind,
+            progress=progress,
         )
     session.result(
         {
@@ -232,10 +244,13 @@ def conform(session: Session, edl: Path, out: Path | None, jobs: int, prune: boo
     show_default=True,
     help="Blender renders titles and all; direct writes the same programme without Blender.",
 )
-@click.option("--jobs", default=2, show_default=True, help="Chunks made at the same time.")
+@click.option(
+    "--quality", default="standard", show_default=True, help="Of the conformed pictures: draft, standard or fine."
+)
+@click.option("--jobs", type=int, help="Chunks made at the same time (default: one a core).")
 @click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
 @click.pass_obj
-def render(session: Session, source: Path, out: Path, preset: str, engine: str, jobs: int, blender: str | None) -> None:
+def render(session: Session, source: Path, out: Path, **how: Any) -> None:
     """Pull, conform and render to a video.
 
     SOURCE is an EDL or a .blend.
@@ -243,7 +258,7 @@ def render(session: Session, source: Path, out: Path, preset: str, engine: str, 
     from . import rendering
 
     with session.progress() as progress:
-        rendering.render(source, out, preset=preset, engine=engine, blender=blender, jobs=jobs, progress=progress)
+        rendering.render(source, out, **how, progress=progress)
     session.result({"video": str(out)}, f"{out}: {out.stat().st_size / 1e6:.1f} MB")
 
 

@@ -20,6 +20,7 @@ from .errors import InputError, UsageError
 from .plugins import filler_of
 from .presets import Preset
 from .progress import Progress, Silent
+from .quality import Quality, named
 from .timeline import piece_of, pull_from, timeline_request
 from .video import Encoding
 
@@ -34,17 +35,21 @@ def render(
     preset: str | Path | Preset = "h264",
     engine: str = "blender",
     blender: str | Blender | None = None,
-    jobs: int = 2,
+    quality: str = "standard",
+    jobs: int | None = None,
     progress: Progress | None = None,
 ) -> Path:
     """Renders an EDL (.json) or a timeline (.blend) to ``out``; a video that was there is replaced whole or not at all.
 
     A .blend is pulled into the EDL it names, conformed, and saved with the exact pictures in place; its own output
     settings stay. Conformed media are kept beside the EDL and used again. blender: a path, or None for the first found.
-    Raises UsageError for a wrong call, and what pulling, conforming and Blender raise.
+    quality: of the conformed pictures, see `quality`; without Blender it chooses the resampling alone. jobs: chunks
+    made at the same time, None for one a core. Raises UsageError for a wrong call, and what pulling, conforming and
+    Blender raise.
     """
     progress = progress or Silent()
     kind = preset if isinstance(preset, Preset) else presets.load(preset)
+    pictures = named(quality)
     _check(source, out, kind, engine)
     needed = engine == "blender" or source.suffix == ".blend"
     found = blender if isinstance(blender, Blender) else blenders.find(blender) if needed else None
@@ -55,10 +60,11 @@ def render(
         edl = edls.load(source)
     out.parent.mkdir(parents=True, exist_ok=True)
     if engine == "direct" or found is None:
-        _direct(edl, edl_path, out, kind, progress)
+        _direct(edl, edl_path, out, kind, pictures, progress)
         return out
     folder = default_folder(edl_path)
-    done = conform(edl, edl_path.parent, folder, filler=filler_of(edl, progress), jobs=jobs, progress=progress)
+    filler = filler_of(edl, progress)
+    done = conform(edl, edl_path.parent, folder, filler=filler, jobs=jobs, quality=pictures, progress=progress)
     if source.suffix == ".blend":
         _put_in_place("refresh", edl_path, source, done, kind, found, progress)
         _in_blender(source, out, kind, found, progress)
@@ -99,7 +105,7 @@ def encoding_of(kind: Preset) -> Encoding:
     )
 
 
-def _direct(edl: Edl, edl_path: Path, out: Path, kind: Preset, progress: Progress) -> None:
+def _direct(edl: Edl, edl_path: Path, out: Path, kind: Preset, pictures: Quality, progress: Progress) -> None:
     write_direct(
         edl,
         edl_path.parent,
@@ -109,6 +115,7 @@ def _direct(edl: Edl, edl_path: Path, out: Path, kind: Preset, progress: Progres
         audio_channels=AUDIO_CHANNELS,
         keyframe_interval=kind.direct.gop,
         filler=filler_of(edl, progress),
+        resampling=pictures.resampling,
         progress=progress,
     )
 

@@ -54,6 +54,8 @@ def test_help_starts_at_once() -> None:
         (["nonsense"], 2, "No such command"),
         (["analyse", "nowhere", "-o", "e.json"], 3, "nowhere: does not exist. Check the path"),
         (["conform", "nowhere.json"], 3, "nowhere.json: cannot be read"),
+        (["conform", "nowhere.json", "--quality", "best"], 2, "draft, standard, fine"),
+        (["render", "nowhere.json", "-o", "x.mp4", "--quality", "best"], 2, "draft, standard, fine"),
         (["simulate", "x", "--size", "wide"], 2, "mcsl simulate --help"),
         (["simulate", "x", "--duration", "5", "--movements", "3"], 2, "make it longer"),
     ],
