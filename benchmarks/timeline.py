@@ -1,0 +1,203 @@
+"""What the timeline of a long day costs: 2,000 shots, 5 cameras, 3 poses, 5,000 centering keys.
+
+    python -m benchmarks.timeline FOLDER [BLENDER]       writes results/timeline.md
+
+Building and reading back are timed inside one Blender process, in seconds of its CPU, against what Blender itself takes
+for as many bare Multicam strips: the yardstick of every ratio. Best of three, since a machine has other things to do.
+The media are real: one file of 120,000 small pictures (64x36), which all five cameras play.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import random
+import subprocess
+import sys
+import tempfile
+from datetime import date
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+
+from mcsl_core import blender as blenders
+from mcsl_core import edl as edls
+from mcsl_core.blender_child import search_paths
+from mcsl_core.edl import IDENTITY, Camera, Edl, Media, Override, Pose, Shot
+from mcsl_core.timing import FrameRange
+from mcsl_core.video import Encoding, VideoWriter
+
+RESULTS = Path(__file__).parent / "results"
+FRAMES, SHOTS, CAMERAS, POSES, KEYS, OVERRIDES = 120_000, 2_000, 5, 3, 5_000, 200
+RATE, SIZE = Fraction(30), (64, 36)
+REACH = {"build": 10.0, "read": 1.0}  # seconds
+
+INSIDE = """
+import json, os, sys, time
+request = json.load(open(sys.argv[-1]))
+sys.path.extend(request["paths"])
+import bpy
+from pathlib import Path
+from mcsl_core import edl as edls
+from blender_addon import strips
+from blender_addon.plan import make_plan
+from blender_addon.readback import read_edl
+from blender_addon.switching import overridden
+
+def timed(work):
+    wall, cpu = time.perf_counter(), time.process_time()
+    result = work()
+    return result, time.process_time() - cpu, time.perf_counter() - wall
+
+def fresh():
+    bpy.ops.wm.read_homefile(app_template="Video_Editing", use_factory_startup=True)
+    scene = bpy.context.scene
+    strips.use_sequencer_scene(scene)
+    return scene
+
+def bare():
+    scene = fresh()
+    scene.sequence_editor_create()
+    def make():
+        for n, (start, stop) in enumerate(request["shots"]):
+            strips.new_effect(scene, f"shot {n}", "MULTICAM", 7, start, stop)
+    _, *make_s = timed(make)
+    def look():
+        return [(*strips.ends(s), s.channel, s.multicam_source) for s in scene.sequence_editor.strips]
+    _, *look_s = timed(look)
+    return make_s, look_s
+
+path = Path(request["edl"])
+rounds = []
+for _ in range(request["rounds"]):
+    make_s, look_s = bare()
+    scene = fresh()
+    edl, *load_s = timed(lambda: edls.load(path))
+    plan, *plan_s = timed(lambda: make_plan(edl))
+    _, *strips_s = timed(lambda: strips.build(scene, plan, path.parent))
+    state, *found_s = timed(lambda: strips.read(scene))
+    new, *read_s = timed(lambda: read_edl(edl, state))
+    assert new == edl, "an untouched timeline must decide nothing"
+    _, *colour_s = timed(lambda: overridden(new, state.strips))
+    rounds.append({"bare": make_s, "look": look_s, "load": load_s, "plan": plan_s, "strips": strips_s,
+                   "found": found_s, "decide": read_s, "colour": colour_s})
+json.dump({"version": bpy.app.version_string, "rounds": rounds, "strips": len(scene.sequence_editor.strips)},
+          open(request["answer"], "w"))
+sys.stdout.flush()
+os._exit(0)
+"""
+
+
+def media(folder: Path) -> Path:
+    """The file that every camera plays, made when it is not there yet."""
+    path = folder / "camera.mp4"
+    if not path.exists():
+        part = folder / "camera.part.mp4"
+        encoding = Encoding(options={"preset": "ultrafast", "crf": "40"})
+        picture = np.full((SIZE[1], SIZE[0], 3), 90, np.uint8)
+        with VideoWriter(part, size=SIZE, rate=RATE, encoding=encoding, keyframe_interval=250) as writer:
+            for _ in range(FRAMES):
+                writer.write(picture)
+        part.rename(path)
+    return path
+
+
+def long_day(name: str) -> Edl:
+    """Cuts, keys and overrides at random places, the same in every run."""
+    chance = random.Random(1)
+    cuts = [0, *sorted(chance.sample(range(1, FRAMES), SHOTS - 1)), FRAMES]
+    cameras = [f"cam{n}" for n in range(1, CAMERAS + 1)]
+    shots = tuple(
+        Shot(FrameRange(a, b), cameras[i % CAMERAS], 0.9, "sees most of the field")
+        for i, (a, b) in enumerate(zip(cuts, cuts[1:], strict=False))
+    )
+    turned = ((0.31, -0.95, 40.0), (0.95, 0.31, -12.0), (1e-4, -2e-4, 1.0))
+    homographies = {c: IDENTITY if c == "cam1" else turned for c in cameras}
+    third = FRAMES // POSES
+    return Edl(
+        rate=RATE,
+        size=SIZE,
+        frames=FRAMES,
+        reference="cam1",
+        cameras=tuple(Camera(c, (Media(name, FRAMES),), SIZE, RATE) for c in cameras),
+        poses=tuple(Pose(FrameRange(n * third, (n + 1) * third), homographies) for n in range(POSES)),
+        shots=shots,
+        overrides=tuple(
+            Override(shot.range, camera=cameras[(i + 2) % CAMERAS])
+            for i, shot in enumerate(shots)
+            if i % (SHOTS // OVERRIDES) == 5
+        ),
+        centering=tuple(
+            (i * FRAMES // KEYS, chance.randint(-90, 90) / 10, chance.randint(-90, 90) / 10) for i in range(KEYS)
+        ),
+    )
+
+
+def run(command: list[str], folder: Path, edl: Edl, rounds: int) -> dict:
+    """The times of each round, as the Blender inside took them."""
+    path = folder / "edl.json"
+    edls.save(edl, path)
+    with tempfile.TemporaryDirectory() as name:
+        order, answer, script = (Path(name) / n for n in ("order.json", "answer.json", "inside.py"))
+        script.write_text(INSIDE, encoding="utf-8")
+        request = {"edl": str(path), "paths": search_paths(), "rounds": rounds, "answer": str(answer)}
+        order.write_text(json.dumps({**request, "shots": [[s.range.start, s.range.stop] for s in edl.shots]}))
+        environment = {**os.environ, "BLENDER_USER_RESOURCES": str(Path(name) / "user")}
+        subprocess.run(
+            [*command, str(script), "--", str(order)], check=True, stdout=subprocess.DEVNULL, env=environment
+        )
+        return json.loads(answer.read_text())
+
+
+def table(found: dict) -> str:
+    """Seconds of CPU (and of the clock), the best round, and the ratio to the yardstick."""
+    best = {part: min((r[part] for r in found["rounds"]), key=lambda times: times[0]) for part in found["rounds"][0]}
+    summed = {
+        "build": [sum(best[p][i] for p in ("load", "plan", "strips")) for i in (0, 1)],
+        "read": [sum(best[p][i] for p in ("load", "found", "decide")) for i in (0, 1)],
+    }
+    rows = [
+        ("**build**: EDL read, planned, strips made", summed["build"], "bare", f"{REACH['build']:g} s"),
+        ("  of it: reading and checking the EDL", best["load"], "bare", ""),
+        ("  of it: planning", best["plan"], "bare", ""),
+        ("  of it: strips, keys, five movies split at the poses", best["strips"], "bare", ""),
+        (f"yardstick: {SHOTS:,} bare Multicam strips", best["bare"], "bare", ""),
+        ("**read back**: EDL read, strips found, decided", summed["read"], "look", f"{REACH['read']:g} s"),
+        ("  of it: finding strips and transforms", best["found"], "look", ""),
+        ("  of it: what was decided", best["decide"], "look", ""),
+        ("colours of the overrides, after a change", best["colour"], "look", ""),
+        ("yardstick: ends, channel and source of each strip", best["look"], "look", ""),
+    ]
+    lines = ["| what | CPU s | clock s | times the yardstick | to reach |", "|---|---|---|---|---|"]
+    for name, (cpu, clock), yardstick, reach in rows:
+        lines.append(f"| {name} | {cpu:.3f} | {clock:.3f} | {cpu / best[yardstick][0]:.2f} | {reach} |")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    folder = Path(sys.argv[1])
+    folder.mkdir(parents=True, exist_ok=True)
+    desk = blenders.find(sys.argv[2] if len(sys.argv) > 2 else None)
+    if desk.kind != "module":
+        raise SystemExit("name a Python with bpy: a Blender binary takes its script another way")
+    edl = long_day(media(folder).name)
+    found = run([*desk.command], folder, edl, rounds=3)
+    text = f"""# The timeline of a long day
+
+Made by `python -m benchmarks.timeline FOLDER` on {date.today()}, Blender {found["version"]} as a module,
+{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}. Best of three rounds in one process.
+
+{SHOTS:,} shots, {CAMERAS} cameras, {POSES} poses, {KEYS:,} centering keys, {OVERRIDES} overrides, {FRAMES:,} frames;
+{found["strips"]:,} strips stand in the sequencer. Untouched, it gives back the same EDL: each round checks.
+
+{table(found)}
+"""
+    RESULTS.mkdir(exist_ok=True)
+    (RESULTS / "timeline.md").write_text(text, encoding="utf-8")
+    print(text)
+
+
+if __name__ == "__main__":
+    main()
