@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cutting by hand: a key or click for each camera, strips set back to their automatic place, colours kept true.
+"""Cutting by hand: a key or click for each camera, and strips set back to their automatic place.
 
 What a press means is decided in switching.py and nudges.py. Blender's own multicam keys take the number of a channel,
 and ours have the sound on channel 1 and the reference camera last; so in an mcsl timeline key n is the EDL's n-th
@@ -13,10 +13,9 @@ import bpy  # pyright: ignore[reportMissingImports]
 
 from mcsl_core.errors import InputError, McslError
 
-from . import scenes, strips, switching
+from . import scenes, strips, switching, watching
 
 KEYS = ("ONE", "TWO", "THREE", "FOUR", "FIVE", "SIX", "SEVEN", "EIGHT", "NINE")
-COLOUR_DELAY_S = 0.3  # after the last change: dragging a cut is many
 
 
 class MCSL_OT_switch_camera(bpy.types.Operator):
@@ -60,7 +59,7 @@ class MCSL_OT_switch_camera(bpy.types.Operator):
             self.report({"INFO"}, f"{camera} is shown already")
             return {"CANCELLED"}
         strips.apply_switch(scene, change)
-        colour_overrides(scene)
+        watching.look(scene)
         self.report({"INFO"}, f"{camera} from frame {scene.frame_current}" if change.split is not None else camera)
         return {"FINISHED"}
 
@@ -96,35 +95,6 @@ def _nth_camera(scene, number: int) -> str:
     return names[number - 1]
 
 
-# ------------------------------------------------------------------------------------------------------- colours
-
-
-def colour_overrides(scene) -> None:
-    """Yellow where an override holds, as pulling would write it. What cannot be read keeps its colours."""
-    try:
-        names = switching.overridden(scenes.edl_of(scene), strips.read(scene))
-    except McslError:  # pulling will say it; here it would be said with every press
-        return
-    strips.colour(scene, names)
-
-
-def _recolour() -> None:
-    for scene in bpy.data.scenes:
-        if scene.get("mcsl_edl") and scene.sequence_editor is not None:
-            colour_overrides(scene)
-
-
-@bpy.app.handlers.persistent
-def _changed(_scene, depsgraph=None) -> None:
-    """After any change of a scene: look at the colours once it is quiet."""
-    if bpy.app.background or (depsgraph is not None and not depsgraph.id_type_updated("SCENE")):
-        return
-    if bpy.app.timers.is_registered(_recolour):
-        bpy.app.timers.unregister(_recolour)
-    bpy.app.timers.register(_recolour, first_interval=COLOUR_DELAY_S)
-
-
-HANDLERS = ("depsgraph_update_post", "load_post")
 CLASSES = (MCSL_OT_switch_camera, MCSL_OT_reset_alignment)
 _keys: list = []
 
@@ -132,8 +102,6 @@ _keys: list = []
 def register() -> None:
     for kind in CLASSES:
         bpy.utils.register_class(kind)
-    for name in HANDLERS:
-        getattr(bpy.app.handlers, name).append(_changed)
     configuration = bpy.context.window_manager.keyconfigs.addon
     if configuration is None:  # without a window there are no keys
         return
@@ -148,9 +116,5 @@ def unregister() -> None:
     for keymap, item in _keys:
         keymap.keymap_items.remove(item)
     _keys.clear()
-    if bpy.app.timers.is_registered(_recolour):
-        bpy.app.timers.unregister(_recolour)
-    for name in HANDLERS:
-        getattr(bpy.app.handlers, name).remove(_changed)
     for kind in reversed(CLASSES):
         bpy.utils.unregister_class(kind)

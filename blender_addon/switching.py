@@ -16,7 +16,7 @@ from mcsl_core.decisions import resolve
 from mcsl_core.edl import Edl
 from mcsl_core.errors import InputError
 
-from .readback import FoundStrip, SequencerState, read_edl
+from .readback import FoundStrip, SequencerState
 
 
 @frozen
@@ -64,15 +64,12 @@ def _channel_of(state: SequencerState, camera: str, frame: int) -> int:
     return min(own, key=lambda c: max(c.start - frame, frame - c.stop + 1, 0)).channel
 
 
-def overridden(edl: Edl, state: SequencerState) -> frozenset[str]:
-    """The names of the strips over which an override holds, as pulling would write it now.
-
-    Raises what pulling would: InputError naming the strip and frame that cannot be read.
-    """
-    decisions = resolve(read_edl(edl, state))
+def overridden(edl: Edl, strips: Iterable[FoundStrip]) -> frozenset[str]:
+    """The names of the strips over which an override of ``edl`` holds: the EDL as the timeline decides it now."""
+    decisions = resolve(edl)
     starts = [piece.start for piece, _ in decisions]
     names = []
-    for strip in state.strips:
+    for strip in strips:
         first = max(bisect_right(starts, strip.start) - 1, 0)
         last = bisect_right(starts, strip.stop - 1)
         if not strip.muted and any(decision.overridden for _, decision in decisions[first:last]):

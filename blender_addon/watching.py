@@ -18,7 +18,7 @@ from mcsl_core.edl import Edl
 from mcsl_core.errors import McslError
 from mcsl_core.timing import FrameRange
 
-from . import conformed, plan, running, scenes, shots, strips
+from . import conformed, plan, running, scenes, shots, strips, switching
 from .readback import read_edl
 from .translations import told
 
@@ -58,6 +58,7 @@ def look(scene: Any) -> str:
         edl = _last[scene.name] = decided(scene)
         missing, lost = conformed.keep_true(scene, edl)
         _centre(scene, edl)
+        strips.colour(scene, switching.overridden(edl, strips.read(scene).strips))
     except McslError as error:
         _tell(scene, problem=str(error))
         return str(error)

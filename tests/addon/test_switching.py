@@ -26,6 +26,10 @@ def built(edl: Edl) -> SequencerState:
     return state_of(make_plan(edl))
 
 
+def marked(edl: Edl, state: SequencerState) -> frozenset[str]:
+    return overridden(read_edl(edl, state), state.strips)
+
+
 def done(state: SequencerState, change: Switch | None) -> SequencerState:
     """The sequencer after the change, as Blender does it: a split leaves the right part with a name of its own."""
     if change is None:
@@ -94,18 +98,18 @@ def test_a_camera_moved_to_another_channel_is_found_there():
 def test_the_colour_goes_with_what_pulling_would_write():
     edl = small_edl(overrides=(Override(R(120, 150), camera="cam3"), Override(R(210, 220), fill=False)))
     state = built(edl)
-    assert overridden(edl, state) == {"shot-0000120", "shot-0000210"}
+    assert marked(edl, state) == {"shot-0000120", "shot-0000210"}
     back = attrs.evolve(
         state, strips=tuple(attrs.evolve(s, source=2) if s.name == "shot-0000120" else s for s in state.strips)
     )
-    assert overridden(edl, back) == {"shot-0000210"}
+    assert marked(edl, back) == {"shot-0000210"}
     centred = attrs.evolve(
         state, strips=tuple(attrs.evolve(s, offset=(3.0, -4.0)) if s.start == 0 else s for s in state.strips)
     )
-    assert overridden(edl, centred) == {"shot-0000000", "shot-0000120", "shot-0000210"}
+    assert marked(edl, centred) == {"shot-0000000", "shot-0000120", "shot-0000210"}
     odd = attrs.evolve(state, strips=(attrs.evolve(state.strips[0], source=9), *state.strips[1:]))
     with pytest.raises(InputError, match="channel 9, which holds no camera"):
-        overridden(edl, odd)
+        marked(edl, odd)
 
 
 def test_a_centre_by_hand_is_an_override_until_it_is_automatic_again():
@@ -142,6 +146,6 @@ def test_pressing_keys_is_the_same_as_cutting_frame_by_frame(presses):
     new = read_edl(edl, state)
     assert [decision.camera for piece, decision in resolve(new) for _ in piece] == wanted
     differs = [a != b for a, b in zip(wanted, (d.camera for p, d in resolve(edl) for _ in p), strict=True)]
-    marked = overridden(edl, state)
+    yellow = marked(edl, state)
     for strip in state.strips:
-        assert (strip.name in marked) == any(differs[strip.start : strip.stop])
+        assert (strip.name in yellow) == any(differs[strip.start : strip.stop])
