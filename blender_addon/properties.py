@@ -10,6 +10,7 @@ from pathlib import Path
 import bpy  # pyright: ignore[reportMissingImports]
 
 from . import deliveries, running
+from .translations import shown
 
 # option of `mcsl analyse` -> label; a test holds it against mcsl's own stages
 STAGES = {
@@ -36,7 +37,8 @@ def _stage_items(stage: str):
     def items(self, context):
         rows = running.desk.offers.get(stage, ())
         default = next((row["name"] for row in rows if row.get("default")), "")
-        found = [(DEFAULT, f"Default ({default})" if default else "Default", "What mcsl takes by itself", "NONE", 0)]
+        label = shown("Default ({name})").format(name=default) if default else shown("Default")
+        found = [(DEFAULT, label, shown("What mcsl takes by itself"), "NONE", 0)]
         for row in rows:
             number = zlib.crc32(row["name"].encode()) & 0x7FFFFFFF
             text = f"{row['summary']} ({row['package']} {row['version']})"
@@ -82,9 +84,7 @@ class MCSL_Work(bpy.types.PropertyGroup):
     """Saved with the scene."""
 
     cameras: bpy.props.CollectionProperty(type=MCSL_Camera)
-    active_camera: bpy.props.IntProperty(
-        name="Camera", description="The camera that the buttons beside the list act on"
-    )
+    active_camera: bpy.props.IntProperty(name="Camera", description="What the buttons beside the list act on")
     reference: bpy.props.StringProperty(
         name="Reference", description="The camera whose perspective the programme keeps. Empty: the first"
     )

@@ -9,15 +9,20 @@ from mcsl_core.edl import Edl
 from mcsl_core.timing import FrameRange
 
 from .plan import automatic_cameras
-from .readback import SequencerState
+from .readback import FIELDS, SequencerState
 
 
 @frozen
 class Setting:
-    """The part ``range`` of a strip shows channel ``source``; None leaves the part as it is."""
+    """The part ``range`` of a strip shows channel ``source``; None leaves the part as it is.
+
+    said: the fields that the EDL's own overrides give there. Against those the strip has to speak; of all others it
+    need only be silent.
+    """
 
     range: FrameRange
     source: int | None
+    said: frozenset[str] = frozenset()
 
 
 def revert(edl: Edl, state: SequencerState, piece: FrameRange) -> dict[str, tuple[Setting, ...]]:
@@ -39,9 +44,17 @@ def revert(edl: Edl, state: SequencerState, piece: FrameRange) -> dict[str, tupl
             part = FrameRange(max(start, 0), stop) if stop > 0 else None
             chosen = next((camera for span, camera in automatic if part and start in span), None)
             source = channel.get(chosen or "") if start in piece else None
-            if settings and settings[-1].source == source and part is not None:
-                settings[-1] = Setting(FrameRange(settings[-1].range.start, stop), source)
-            elif part is not None:
-                settings.append(Setting(part, source))
+            if part is None:
+                continue
+            said = _said(edl, part) if source is not None else frozenset()
+            if settings and settings[-1].source == source:
+                part, said = FrameRange(settings[-1].range.start, stop), said | settings.pop().said
+            settings.append(Setting(part, source, said))
         result[strip.name] = tuple(settings)
     return result
+
+
+def _said(edl: Edl, part: FrameRange) -> frozenset[str]:
+    """The fields of the overrides that hold somewhere in ``part``."""
+    holding = [o for o in edl.overrides if o.range.intersection(part) is not None]
+    return frozenset(name for name in FIELDS for o in holding if getattr(o, name) is not None)

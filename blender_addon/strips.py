@@ -452,10 +452,26 @@ def revert(scene: Any, settings: Mapping[str, Sequence[Setting]], look: Look) ->
             rest = _split(strip, part.range.stop) if index + 1 < len(parts) else None
             if part.source is not None:
                 strip.multicam_source = part.source
-                for aid in AIDS:  # said, not left out: what the EDL already holds would stay
+                _be_silent(strip)
+                for aid in part.said & set(AIDS):
                     strip[f"mcsl_{aid}"] = getattr(look, aid)
-                strip["mcsl_offset"] = AUTOMATIC
+                if "offset" in part.said:
+                    strip["mcsl_offset"] = AUTOMATIC
             strip = rest
+
+
+def say_nothing(scene: Any) -> None:
+    """The EDL holds all that the strips said about looks and centres: from now on they say nothing of their own."""
+    for strip in scene.sequence_editor.strips:
+        if strip.type == "MULTICAM":
+            _be_silent(strip)
+    for aid in AIDS:
+        scene.pop(LOOK + aid, None)
+
+
+def _be_silent(strip: Any) -> None:
+    for name in (*AIDS, "offset"):
+        strip.pop(f"mcsl_{name}", None)
 
 
 def colour(scene: Any, overridden: frozenset[str]) -> None:

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel in Japanese, through Blender's own mechanism. English is the text itself."""
+"""The extension in the user's language, through Blender's own mechanism. English is the text itself."""
 
 from __future__ import annotations
 
 import bpy  # pyright: ignore[reportMissingImports]
 
-JAPANESE: dict[tuple[str, str], str] = {}
+from .japanese import JAPANESE
+
+CONTEXTS = ("*", "Operator")  # buttons look their text up in a context of their own
 
 
 def told(text: str) -> str:
@@ -19,7 +21,8 @@ def shown(text: str) -> str:
 
 
 def register() -> None:
-    bpy.app.translations.register(__package__ or "mcsl", {"ja_JP": JAPANESE})
+    table = {(context, english): japanese for english, japanese in JAPANESE.items() for context in CONTEXTS}
+    bpy.app.translations.register(__package__ or "mcsl", {"ja_JP": table})
 
 
 def unregister() -> None:

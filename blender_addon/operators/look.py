@@ -75,12 +75,8 @@ class MCSL_OT_set_centre(bpy.types.Operator):
     bl_label = "Set Centre by Hand"
     bl_options: ClassVar = {"REGISTER", "UNDO"}
 
-    x: bpy.props.FloatProperty(
-        name="X", description="Pixels of the shown programme from the left", options={"SKIP_SAVE"}
-    )
-    y: bpy.props.FloatProperty(
-        name="Y", description="Pixels of the shown programme from the top", options={"SKIP_SAVE"}
-    )
+    x: bpy.props.FloatProperty(name="X", description="Pixels from the left of the picture", options={"SKIP_SAVE"})
+    y: bpy.props.FloatProperty(name="Y", description="Pixels from the top of the picture", options={"SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context):

@@ -57,11 +57,15 @@ def _push_undo(message: str) -> None:
 
 
 def pull(scene) -> tuple[Edl, bool]:
-    """Writes the timeline's decisions into the scene's EDL; the EDL as it is then, and whether it was changed."""
+    """Writes the timeline's decisions into the scene's EDL; the EDL as it is then, and whether it was changed.
+
+    McslError, for a folder that cannot be written to as well: then nothing has changed.
+    """
     old = scenes.edl_of(scene)
     new = watching.decided(scene)
     if new != old:
         edls.save(new, scenes.edl_path(scene, Path(bpy.data.filepath)))
+    strips.say_nothing(scene)
     scene["mcsl_overrides"] = len(new.overrides)
     return new, new != old
 

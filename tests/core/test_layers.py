@@ -61,7 +61,7 @@ STAGES = 2  # the floor on which modules do not import each other: values pass b
 # Of the add-on, what runs anywhere and what needs Blender.
 ADDON_PURE = {
     *("__init__", "plan", "readback", "nudges", "switching", "similarity", "background"),
-    *("deliveries", "finding", "jobs", "outstanding", "recordings", "reverting", "shots"),
+    *("deliveries", "finding", "japanese", "jobs", "outstanding", "recordings", "reverting", "shots"),
 }
 ADDON_BPY = {
     *("by_hand", "operators", "output", "panels", "scenes", "strips", "tasks"),
