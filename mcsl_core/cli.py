@@ -172,6 +172,27 @@ def timeline(session: Session, edl: Path, out: Path, preset: str, conformed: Pat
 
 
 @cli.command()
+@click.argument("edl", type=PATH)
+@click.option("--centering/--no-centering", default=None, help="Shift the surgical field to the middle.")
+@click.option("--fill/--no-fill", default=None, help="Fill what the chosen camera does not see.")
+@click.option("--colour/--no-colour", default=None, help="Match the cameras' colours.")
+@click.option("--centre", metavar="DX,DY", help="Shift by this much in programme pixels, in place of the automatic.")
+@click.option("--from", "start", metavar="TIME", help="Only from here on: 1:02:03.5 or seconds.")
+@click.option("--to", "stop", metavar="TIME", help="Only up to here.")
+@click.pass_obj
+def look(session: Session, edl: Path, **how: Any) -> None:
+    """Switch the visual aids of EDL on or off, without analysing again.
+
+    For the whole programme, or with --from and --to for a stretch of it, as an override. Without options: say how
+    they stand.
+    """
+    from . import looks
+
+    made = looks.change_file(edl, **how)
+    session.result(looks.values(made), looks.describe(made))
+
+
+@cli.command()
 @click.argument("blend", type=PATH)
 @click.option("-o", "--out", type=PATH, help="The EDL to write (default: the one the timeline was built from).")
 @click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
@@ -248,6 +269,7 @@ def conform(session: Session, edl: Path, out: Path | None, quality: str, jobs: i
     "--quality", default="standard", show_default=True, help="Of the conformed pictures: draft, standard or fine."
 )
 @click.option("--jobs", type=int, help="Chunks made at the same time (default: one a core).")
+@click.option("--show-origin", is_flag=True, help="Tint every pixel by its camera (with --engine direct).")
 @click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
 @click.pass_obj
 def render(session: Session, source: Path, out: Path, **how: Any) -> None:

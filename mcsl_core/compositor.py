@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from .colour import apply
 from .decisions import Decision, fitted, placed, resolve, shift_at
 from .edl import Edl, Look, Pose
-from .filling import Filler, FootprintFiller, Rect, viewpoint_difference
+from .filling import Filler, FootprintFiller, Rect, ShowOrigin, viewpoint_difference
 from .footage import Footage, Player
 from .images import BLACK, U8, Planes, black, blurred, median_planes
 from .timing import FrameRange
@@ -379,9 +379,10 @@ class Compositor:
         if match is not None:
             planes = apply(planes, match)
         front = self.warped(planes, number, camera, offset, Rect(0, 0, *edl.size))
-        if not decision.fill or not self.knows(number, camera):
-            return front
-        return self.filler.fill(_View(self, frame, camera, front, number, offset, decision.colour, previous))
+        view = _View(self, frame, camera, front, number, offset, decision.colour, previous)
+        if decision.fill and self.knows(number, camera):
+            return self.filler.fill(view)
+        return self.filler.bare(view) if isinstance(self.filler, ShowOrigin) else front
 
 
 def _looked(decision: Decision, look: Look | None) -> Decision:

@@ -17,6 +17,7 @@ from .blender_child import run
 from .conform import Conformed, conform, default_folder, write_direct
 from .edl import Edl
 from .errors import InputError, UsageError
+from .filling import ShowOrigin
 from .plugins import filler_of
 from .presets import Preset
 from .progress import Progress, Silent
@@ -37,6 +38,7 @@ def render(
     blender: str | Blender | None = None,
     quality: str = "standard",
     jobs: int | None = None,
+    show_origin: bool = False,
     progress: Progress | None = None,
 ) -> Path:
     """Renders an EDL (.json) or a timeline (.blend) to ``out``; a video that was there is replaced whole or not at all.
@@ -44,13 +46,18 @@ def render(
     A .blend is pulled into the EDL it names, conformed, and saved with the exact pictures in place; its own output
     settings stay. Conformed media are kept beside the EDL and used again. blender: a path, or None for the first found.
     quality: of the conformed pictures, see `quality`; without Blender it chooses the resampling alone. jobs: chunks
-    made at the same time, None for one a core. Raises UsageError for a wrong call, and what pulling, conforming and
+    made at the same time, None for one a core. show_origin: a review copy, each camera's pixels in a tint of their own;
+    `direct` alone does that. Raises UsageError for a wrong call, and what pulling, conforming and
     Blender raise.
     """
     progress = progress or Silent()
     kind = preset if isinstance(preset, Preset) else presets.load(preset)
     pictures = named(quality)
     _check(source, out, kind, engine)
+    if show_origin and engine != "direct":
+        raise UsageError(
+            "a review copy that shows where pixels come from is made directly", remedy="Add --engine direct"
+        )
     needed = engine == "blender" or source.suffix == ".blend"
     found = blender if isinstance(blender, Blender) else blenders.find(blender) if needed else None
     edl_path = source
@@ -60,7 +67,7 @@ def render(
         edl = edls.load(source)
     out.parent.mkdir(parents=True, exist_ok=True)
     if engine == "direct" or found is None:
-        _direct(edl, edl_path, out, kind, pictures, progress)
+        _direct(edl, edl_path, out, kind, pictures, show_origin, progress)
         return out
     folder = default_folder(edl_path)
     filler = filler_of(edl, progress)
@@ -105,7 +112,10 @@ def encoding_of(kind: Preset) -> Encoding:
     )
 
 
-def _direct(edl: Edl, edl_path: Path, out: Path, kind: Preset, pictures: Quality, progress: Progress) -> None:
+def _direct(
+    edl: Edl, edl_path: Path, out: Path, kind: Preset, pictures: Quality, show_origin: bool, progress: Progress
+) -> None:
+    filler = filler_of(edl, progress)
     write_direct(
         edl,
         edl_path.parent,
@@ -114,7 +124,7 @@ def _direct(edl: Edl, edl_path: Path, out: Path, kind: Preset, pictures: Quality
         size=kind.scaled(edl.size),
         audio_channels=AUDIO_CHANNELS,
         keyframe_interval=kind.direct.gop,
-        filler=filler_of(edl, progress),
+        filler=ShowOrigin(filler, [c.name for c in edl.cameras]) if show_origin else filler,
         resampling=pictures.resampling,
         progress=progress,
     )

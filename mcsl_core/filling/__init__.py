@@ -6,7 +6,8 @@ cameras through the same eye, piece by piece, now and at other moments. Everythi
 
 from .closeness import viewpoint_difference
 from .footprint import FootprintFiller
+from .origin import ShowOrigin
 from .reference import ReferenceFiller
 from .view import Filler, Rect, View
 
-__all__ = ["Filler", "FootprintFiller", "Rect", "ReferenceFiller", "View", "viewpoint_difference"]
+__all__ = ["Filler", "FootprintFiller", "Rect", "ReferenceFiller", "ShowOrigin", "View", "viewpoint_difference"]

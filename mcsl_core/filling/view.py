@@ -112,7 +112,7 @@ class Filler(Protocol):
 
     @property
     def remembers(self) -> bool:
-        """Whether `View.previous` is wanted; it begins anew every ten seconds, from the frames 1, 2, 4, 8 ... before."""
+        """Whether `View.previous` is wanted; it begins anew every ten seconds, from 1, 2, 4, 8 ... frames before."""
         ...
 
     def fill(self, view: View) -> Planes:

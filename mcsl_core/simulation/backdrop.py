@@ -62,6 +62,11 @@ class Backdrop:
             self._still = self._refreshed(self._still, step)
         return self._still.picture, view
 
+    def seen(self, t: float, view: View) -> Picture:
+        """The picture at programme time ``t`` of a camera that stands still at ``view``."""
+        step = round(self._play.progression.at(t) * STEPS)
+        return Picture.of(_look(self._texture(step), *self._maps(view)))
+
     def _blurred(self, texture: NDArray, t: float) -> NDArray:
         """What a moving camera sees while its shutter is open: two looks, laid over each other."""
         looks = []

@@ -16,10 +16,27 @@ from .clocks import Clock
 from .ground import Ground
 from .layers import Box, Overlay, Picture, layer_of
 from .rig import View, cross, unit
+from .scenario import Scenario
 from .solids import Sprite
 from .staging import Placement, Play
 
 FLAT = np.array([1.0, 1.0, 0.0])
+
+
+def sensor(scenario: Scenario, camera: int) -> tuple[np.random.Generator, NDArray, float]:
+    """The chance that is left for a camera's grain, its gains (B, G, R), and how much darker its corners are."""
+    rng = scenario.stream("sensor", camera)
+    gains = rng.uniform(0.93, 1.07, 3) * rng.uniform(0.9, 1.08)
+    return rng, gains, rng.uniform(0.06, 0.16)
+
+
+def vignette(size: tuple[int, int], corner: float, shift: tuple[float, float] = (0.0, 0.0)) -> NDArray:
+    """(H, W) uint8 shares of 255; ``shift``: how far the optical axis lies from the middle, in pixels."""
+    width, height = size
+    x = np.linspace(-1, 1, width) - 2 * shift[0] / (width - 1)
+    y = (np.linspace(-1, 1, height) - 2 * shift[1] / (height - 1))[:, None]
+    dark = corner * (x * x + y * y * (height / width) ** 2) / 1.3
+    return np.clip(255 * (1 - dark), 0, 255).astype(np.uint8)
 
 
 class CameraPictures:
@@ -29,8 +46,7 @@ class CameraPictures:
         self._play, self._clock = play, clock
         scenario = play.scenario
         self._size = width, height = scenario.size
-        rng = scenario.stream("sensor", camera)
-        gains = rng.uniform(0.93, 1.07, 3) * rng.uniform(0.9, 1.08)
+        rng, gains, corner = sensor(scenario, camera)
         self._gains = gains
         self._backdrop = Backdrop(play, ground, camera, gains)
         self._sprites: dict[int, tuple[NDArray, NDArray, NDArray, NDArray]] = {}
@@ -38,9 +54,7 @@ class CameraPictures:
         self._arms = Overlay(self._size, 2)
         self._shades = Overlay(self._size, 8)
         self._heads = Overlay(self._size, 4 if width >= 640 else 2)
-        x, y = np.meshgrid(np.linspace(-1, 1, width), np.linspace(-1, 1, height))
-        corner = rng.uniform(0.06, 0.16) * (x * x + y * y * (height / width) ** 2) / 1.3
-        self._vignette = np.clip(255 * (1 - corner), 0, 255).astype(np.uint8)
+        self._vignette = vignette(self._size, corner)
         grain = rng.normal(0, scenario.noise, (height + 64, width + 64))
         self._brighter = np.clip(np.round(grain), 0, 255).astype(np.uint8)
         self._darker = np.clip(np.round(-grain), 0, 255).astype(np.uint8)

@@ -50,7 +50,18 @@ FLOORS: dict[int, set[str]] = {
             "analysis",
         ),  # deciding
         *("contact", "simulation", "demo"),
-        *("quality", "chunks", "conform", "programme_sound", "blender", "blender_child", "timeline", "presets", "rendering"),
+        *(
+            "quality",
+            "chunks",
+            "conform",
+            "programme_sound",
+            "blender",
+            "blender_child",
+            "timeline",
+            "presets",
+            "rendering",
+            "looks",
+        ),
     },
     5: {"console", "session", "cli"},
 }

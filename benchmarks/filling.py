@@ -1,0 +1,228 @@
+"""How right the filled pixels are, against the simulated scene without people and with a wide canvas.
+
+    python -m benchmarks.filling FOLDER [NAME ...]        makes what is missing, writes results/filling.md
+
+Programme frames by both fillers, from the analysis's EDL, as it centres them and shifted by a tenth of the picture by
+hand, are held against `UnoccludedScene`: the same moment without heads and hands, seen by the reference camera of the
+first pose on a larger image plane. Counted are the pixels that the chosen camera does not see. Twice: with the cameras
+filming the empty room, which shows what a filler does, and as recorded, where people stand in the other cameras' views
+as well. No filler reaches that truth: the other cameras look at the relief from another side.
+"""
+
+from __future__ import annotations
+
+import math
+import platform
+import sys
+import time
+from collections.abc import Iterator
+from datetime import date
+from pathlib import Path
+
+import attrs
+import cv2
+import numpy as np
+from attrs import frozen
+from numpy.typing import NDArray
+
+from benchmarks.recordings import RECORDINGS, make
+from mcsl_core import analysis, edl, plugins
+from mcsl_core.compositor import Compositor, block_frames, programme_matrix, still_range
+from mcsl_core.decisions import resolve, shift_at
+from mcsl_core.filling import Filler, FootprintFiller, ReferenceFiller
+from mcsl_core.footage import Footage
+from mcsl_core.images import Planes, planes_to_bgr
+from mcsl_core.progress import Silent
+from mcsl_core.simulation import Truth, load_truth
+from mcsl_core.simulation.ground import Ground
+from mcsl_core.simulation.render import CameraPictures
+from mcsl_core.simulation.staging import Play
+from mcsl_core.simulation.unoccluded import UnoccludedScene
+from mcsl_core.timing import FrameRange
+
+RESULTS = Path(__file__).parent / "results"
+FRAMES = 4  # looked at in each pose
+SHIFT = 0.1  # of the picture's width and height, to the right and down
+FILLERS: tuple[Filler, ...] = (ReferenceFiller(), FootprintFiller())
+
+
+@frozen
+class Row:
+    """One pose of one recording, centred in one way. Pairs are by each of `FILLERS`."""
+
+    name: str
+    pose: int
+    centred: str
+    share: float  # of the pixels that the chosen camera does not see
+    empty_db: tuple[float, ...]  # PSNR of those, the room empty
+    black: tuple[float, ...]  # share of those left black, the room empty
+    people_db: tuple[float, ...]  # PSNR of those as recorded
+    cpu_ms: tuple[float, ...]  # a frame, beyond the same without fill
+
+
+class EmptyRoom(Footage):
+    """What the cameras would have filmed without people."""
+
+    def __init__(self, programme: edl.Edl, base: Path, truth: Truth) -> None:
+        super().__init__(programme.cameras, rate=programme.rate, frames=programme.frames, base=base)
+        play = Play.of(attrs.evolve(truth.scenario, heads=0, hands=0))
+        ground = Ground.of(play.scenario, play.surface, play.rig)
+        self._truth = truth
+        self._pictures = {
+            name: CameraPictures(play, ground, index, clock)
+            for index, (name, clock) in enumerate(zip(truth.cameras, truth.clocks, strict=True))
+        }
+
+    def player(self, camera: str) -> _Empty:  # pyright: ignore[reportIncompatibleMethodOverride]
+        return _Empty(self, camera)
+
+    def moment(self, camera: str, frame: int) -> Planes | None:
+        own = self._truth.own_frame(camera, frame)
+        return None if own is None else self._pictures[camera].frame(own)[0]
+
+
+@frozen
+class _Empty:
+    room: EmptyRoom
+    camera: str
+
+    def at(self, frame: int) -> Planes | None:
+        return self.room.moment(self.camera, frame)
+
+    def close(self) -> None:
+        """Nothing was opened."""
+
+
+def measure(folder: Path, name: str) -> Iterator[Row]:
+    recording = make(folder, name) if name in RECORDINGS else folder / name
+    truth = load_truth(recording)
+    out = folder / f"{name}.ours" / "edl.json"
+    if not out.exists():
+        settings = analysis.AnalysisSettings()
+        analysis.analyse([recording], out, settings=settings, plugins=plugins.discover(), progress=Silent())
+    made = edl.load(out)
+    scene, room = UnoccludedScene(truth.scenario), EmptyRoom(made, out.parent, truth)
+    filmed = Footage(made.cameras, rate=made.rate, frames=made.frames, base=out.parent)
+    by_hand = (0, SHIFT * made.size[0], SHIFT * made.size[1])
+    for centred, keys in (("as analysed", made.centering), ("by a tenth", (by_hand,))):
+        programme = attrs.evolve(made, centering=keys)
+        for number, pose in enumerate(programme.poses):
+            frames = moments(programme, still_range(programme, pose))
+            if pose.perspective == made.poses[0].perspective and frames:
+                yield judged(name, number, centred, programme, frames, scene, room, filmed)
+
+
+def moments(programme: edl.Edl, still: FrameRange) -> list[int]:
+    """Frames spread over ``still`` at which a filler that remembers begins anew: there it costs a handful of frames."""
+    step = block_frames(programme)
+    inside = list(range(-(-still.start // step) * step, still.stop, step))
+    return (
+        [inside[i] for i in sorted(set(np.linspace(0, len(inside) - 1, FRAMES).round().astype(int)))] if inside else []
+    )
+
+
+def judged(
+    name: str,
+    number: int,
+    centred: str,
+    programme: edl.Edl,
+    frames: list[int],
+    scene: UnoccludedScene,
+    room: Footage,
+    filmed: Footage,
+) -> Row:
+    errors, black, count, filled, cpu = np.zeros((2, 2)), np.zeros(2), 0, 0, np.zeros(3)
+    for frame in frames:
+        decision = next(d for piece, d in resolve(programme) if frame in piece)
+        offset = shift_at(programme, decision, frame)
+        hole = unseen(programme, programme.poses[number], decision.camera, offset)
+        count, filled = count + hole.size, filled + int(hole.sum())
+        truth = planes_to_bgr(scene.at(float(frame / programme.rate), offset))
+        for j, footage in enumerate((room, filmed)):
+            for i, filler in enumerate(FILLERS):
+                with Compositor(programme, footage, filler=filler) as compositor:
+                    planes = next(iter(compositor.frames(FrameRange(frame, frame + 1))))
+                picture = planes_to_bgr(planes)[hole]
+                errors[j, i] += ((picture.astype(float) - truth[hole]) ** 2).mean(axis=1).sum()
+                black[i] += int((picture.max(axis=1) <= 10).sum()) if footage is room else 0
+    for i, look in enumerate((edl.Look(fill=False), None, None)):
+        cpu[i] = cost(programme, filmed, FILLERS[max(0, i - 1)], frames[len(frames) // 2], look)
+    psnr = [[10 * math.log10(255**2 * filled / error) for error in row] for row in errors] if filled else [[], []]
+    return Row(
+        name,
+        number,
+        centred,
+        filled / count,
+        tuple(psnr[0]),
+        tuple(float(v) for v in black / max(filled, 1)),
+        tuple(psnr[1]),
+        tuple(float(v) for v in cpu[1:] - cpu[0]),
+    )
+
+
+def unseen(programme: edl.Edl, pose: edl.Pose, camera: str, offset: tuple[float, float]) -> NDArray[np.bool_]:
+    """(H, W): where ``camera`` does not reach; a pixel at its edge, half inside, is left out."""
+    width, height = programme.camera(camera).size
+    ones = np.full((height, width), 255, np.uint8)
+    seen = cv2.warpPerspective(ones, programme_matrix(programme, pose, camera, offset), programme.size)
+    return np.asarray(seen) == 0
+
+
+def cost(programme: edl.Edl, footage: Footage, filler: Filler, frame: int, look: edl.Look | None) -> float:
+    """CPU in ms a frame over a second from ``frame`` on, after a first second."""
+    second = round(programme.rate)
+    stop = min(frame + 2 * second, programme.frames)
+    start = max(0, stop - second)
+    before = 0.0
+    with Compositor(programme, footage, filler=filler, look=look) as compositor:
+        for number, _ in enumerate(compositor.frames(FrameRange(max(0, start - second), stop))):
+            if number == second - 1:
+                before = time.process_time()
+    return 1000 * (time.process_time() - before) / second
+
+
+def table(rows: list[Row]) -> str:
+    lines = [
+        "# Filling against simulated truth",
+        "",
+        f"{date.today()}, {platform.machine()}. `python -m benchmarks.filling FOLDER`",
+        "",
+        "PSNR of the pixels that the chosen camera does not see, against the scene without people seen by the",
+        "reference camera of the first pose on a wider image plane: with the cameras filming the empty room, and as",
+        "recorded. Each time the paper's filler (`reference`), then the default (`footprint`). Black: share of those",
+        "pixels left black in the empty room. CPU: what filling costs a frame beyond the same without it, decoding the",
+        "other cameras included.",
+        "",
+        "| recording | pose | centred | unseen | empty room, dB | as recorded, dB | black | CPU, ms |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for r in rows:
+        lines.append(
+            f"| {r.name} | {r.pose} | {r.centred} | {r.share:.0%} | {r.empty_db[0]:.1f}, **{r.empty_db[1]:.1f}** "
+            f"| {r.people_db[0]:.1f}, **{r.people_db[1]:.1f}** | {r.black[0]:.1%}, {r.black[1]:.1%} "
+            f"| {r.cpu_ms[0]:.0f}, {r.cpu_ms[1]:.0f} |"
+        )
+    for what, gains in (
+        ("In the empty room", [r.empty_db[1] - r.empty_db[0] for r in rows]),
+        ("As recorded", [r.people_db[1] - r.people_db[0] for r in rows]),
+    ):
+        lines += [
+            "",
+            f"{what}, `footprint` is ahead in {sum(g > 0 for g in gains)} of {len(gains)} rows, by "
+            f"{np.median(gains):.1f} dB in the median ({min(gains):.1f} to {max(gains):.1f}).",
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    folder = Path(sys.argv[1])
+    rows = []
+    for name in sys.argv[2:] or RECORDINGS:
+        for row in measure(folder, name):
+            print(row, flush=True)
+            rows.append(row)
+    (RESULTS / "filling.md").write_text(table(rows), "utf-8")
+
+
+if __name__ == "__main__":
+    main()
