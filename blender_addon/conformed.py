@@ -54,14 +54,11 @@ def keep_true(scene: Any, now: Edl) -> tuple[tuple[FrameRange, ...], tuple[Frame
     lost = []
     for strip, span in there:
         parts = outstanding.parts(span, gone)
-        for index, part in enumerate(parts):
-            rest = None
-            if index + 1 < len(parts):
-                rest = strip.split(frame=part.range.stop + 1, split_method="SOFT")
-            _set_holds(strip, part.holds)
+        pieces = strips.split_at(strip, [part.range.stop for part in parts[:-1]])
+        for piece, part in zip(pieces, parts, strict=True):
+            _set_holds(piece, part.holds)
             if not part.holds:
                 lost.append(part.range)
-            strip = rest
     covered = [span for strip, span in found(scene) if not strip.mute]
     return outstanding.outstanding(now.frames, covered), outstanding.without(lost, ())
 

@@ -45,7 +45,7 @@ JAPANESE: dict[str, str] = {
     "Centre by hand: {x:+.0f}, {y:+.0f} pixels": "手動の中心: {x:+.0f}, {y:+.0f} ピクセル",
     "{camera}, {length}": "{camera}、長さ {length}",
     "{count} files": "{count} ファイル",
-    "{count} overrides": "手動変更 {count} 件",
+    "Overrides: {count}": "手動変更: {count} 件",
     "{seconds} outstanding: the preview is shown there": "未コンフォーム {seconds}：そこはプレビュー表示です",
     "{seconds} of exact pictures fell away, because their decisions changed": (
         "決定が変わったため、正確な映像 {seconds} 分が外れました"

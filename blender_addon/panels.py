@@ -14,7 +14,8 @@ from .operators.recording import work_of
 from .properties import STAGES
 from .translations import shown
 
-WIDTH = 44  # characters of a line in a sidebar of the usual width
+WIDTH = 44  # letters of a line where there is no sidebar to measure
+LETTER_PX = 6.2  # at a scale of 1; what stands beside the text takes 70 pixels
 
 
 class _Panel:
@@ -30,8 +31,12 @@ class _TimelinePanel(_Panel):
         return scene is not None and bool(scene.get("mcsl_edl")) and scene.sequence_editor is not None
 
 
-def wrapped(layout, text: str, icon: str = "NONE", width: int = WIDTH) -> None:
+def wrapped(layout, text: str, icon: str = "NONE") -> None:
     """A text of several lines: a label has but one. Japanese letters count double and break anywhere."""
+    region, width = bpy.context.region, WIDTH
+    if region is not None and region.type == "UI":
+        scale = bpy.context.preferences.system.ui_scale
+        width = max(20, int((region.width / scale - 70) / LETTER_PX))
     column = layout.column(align=True)
     column.scale_y = 0.85
     for index, line in enumerate(lines_of(text, width)):
@@ -75,8 +80,7 @@ def draw_job(layout, title: str) -> bool:
 class MCSL_UL_cameras(bpy.types.UIList):
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index=0, flt_flag=0):
         row = layout.row(align=True)
-        row.label(text=f"{index + 1}", translate=False)
-        row.label(text=item.name, icon="VIEW_CAMERA", translate=False)
+        row.label(text=f"{index + 1}  {item.name}", icon="VIEW_CAMERA", translate=False)
         count = len(item.files.splitlines())
         if count > 1:
             row.label(text=shown("{count} files").format(count=count), translate=False)
@@ -123,7 +127,7 @@ class MCSL_PT_analyse(_Panel, bpy.types.Panel):
             row = layout.row()
             row.scale_y = 1.3
             row.operator("mcsl.analyse", icon="PLAY")
-        draw_message(layout)
+        draw_message(layout, running.told("Analysis"), "")
         try:
             preferences.mcsl()
         except McslError:
@@ -149,9 +153,9 @@ class MCSL_PT_stages(_Panel, bpy.types.Panel):
             column.prop(work, stage)
 
 
-def draw_message(layout) -> None:
-    """The last message of a job, until the next one starts."""
-    if running.desk.message and not running.busy():
+def draw_message(layout, *about: str) -> None:
+    """The last message, if it is about one of these jobs, until the next one starts."""
+    if running.desk.message and running.desk.about in about and not running.busy():
         icon = {"ERROR": "ERROR", "WARNING": "INFO"}.get(running.desk.level, "CHECKMARK")
         box = layout.box()
         box.alert = running.desk.level == "ERROR"
@@ -162,12 +166,16 @@ class MCSL_UL_shots(bpy.types.UIList):
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index=0, flt_flag=0):
         row = layout.row(align=True)
         split = row.split(factor=0.4, align=True)
-        split.label(text=item.time, icon="DECORATE_OVERRIDE" if item.overridden else "BLANK1", translate=False)
+        here = item.start < strips.sequencer_scene(context).frame_current <= item.stop
+        split.label(text=item.time, icon="TRIA_RIGHT" if here else "BLANK1", translate=False)
         split = split.split(factor=0.65, align=True)
         split.label(text=item.camera, translate=False)
         right = split.row()
         right.alignment = "RIGHT"
-        right.label(text="" if item.overridden else f"{item.score:.0%}", translate=False)
+        if item.overridden:
+            right.label(text="", icon="DECORATE_OVERRIDE")
+        else:
+            right.label(text=f"{item.score:.0%}", translate=False)
 
     def filter_items(self, context, data, property):
         rows = getattr(data, property)
@@ -201,7 +209,9 @@ class MCSL_PT_shots(_TimelinePanel, bpy.types.Panel):
             button.number, button.camera = number, name
         row = layout.row(align=True)
         row.operator("mcsl.go_to_override", text="", icon="PREV_KEYFRAME").direction = "BACK"
-        row.label(text=shown("{count} overrides").format(count=state.overrides), translate=False)
+        middle = row.row()
+        middle.alignment = "CENTER"
+        middle.label(text=shown("Overrides: {count}").format(count=state.overrides), translate=False)
         row.operator("mcsl.go_to_override", text="", icon="NEXT_KEYFRAME").direction = "NEXT"
         row = layout.row(align=True)
         row.operator("mcsl.revert", icon="LOOP_BACK").everything = False
@@ -287,6 +297,7 @@ class MCSL_PT_conform(_TimelinePanel, bpy.types.Panel):
             layout.label(text="All pictures are exact", icon="CHECKMARK")
         if not draw_job(layout, running.told("Conforming")):
             layout.operator("mcsl.conform", icon="RENDER_RESULT")
+        draw_message(layout, running.told("Conforming"))
 
 
 class MCSL_PT_render(_TimelinePanel, bpy.types.Panel):

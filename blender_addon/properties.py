@@ -92,10 +92,14 @@ class MCSL_Work(bpy.types.PropertyGroup):
         name="EDL",
         description="The file that takes all decisions. Empty: edl.json beside the first camera file",
         subtype="FILE_PATH",
+        options={"PATH_SUPPORTS_BLEND_RELATIVE"},
     )
     preset: bpy.props.EnumProperty(name="Preset", description="What is delivered", items=_preset_items)
     video: bpy.props.StringProperty(
-        name="Output", description="The video. Empty: beside the .blend, under its name", subtype="FILE_PATH"
+        name="Output",
+        description="The video. Empty: beside the .blend, under its name",
+        subtype="FILE_PATH",
+        options={"PATH_SUPPORTS_BLEND_RELATIVE"},
     )
 
     def plugin(self, stage: str) -> str:

@@ -46,6 +46,7 @@ class Desk:
 
     running: Running | None = None
     message: str = ""
+    about: str = ""  # the title of the job that the message is about
     level: str = "INFO"  # INFO, WARNING or ERROR
     mcsl: str = ""
     offers: dict[str, list[dict[str, Any]]] = field(factory=dict)
@@ -66,7 +67,7 @@ def start(title: str, command: Sequence[str], follow: Follow | None = None, *, c
             told("{title} runs already").format(title=desk.running.title), remedy=told("Wait, or cancel it")
         )
     desk.running = Running(title, Job(command, cwd=cwd), follow)
-    say("", "INFO")
+    say("", "INFO", title)
     _tick_soon()
 
 
@@ -97,10 +98,10 @@ def pump() -> bool:
         _finish(run, run.job.status)
     except McslError as error:
         desk.running = None
-        say(str(error), "ERROR")
+        say(f"{run.title}: {error}", "ERROR", run.title)
     except Exception as error:
         desk.running = None
-        say(f"{type(error).__name__}: {error}", "ERROR")
+        say(f"{run.title}: {type(error).__name__}: {error}", "ERROR", run.title)
         raise
     return False
 
@@ -119,21 +120,22 @@ def wait(timeout_s: float) -> Status:
 def _finish(run: Running, status: Status) -> None:
     desk.running = None
     if status.outcome == "failed":
-        say(f"{run.title}: {status.message}", "ERROR")
+        say(f"{run.title}: {status.message}", "ERROR", run.title)
     elif status.outcome == "stopped":
-        say(told("{title} stopped; started again, it carries on where it was").format(title=run.title), "WARNING")
+        text = told("{title} stopped; started again, it carries on where it was")
+        say(text.format(title=run.title), "WARNING", run.title)
     elif not desk.message:
         done = told("{title}: done").format(title=run.title)
         note = status.notes[-1] if status.notes else ""
-        say(f"{done}. {note}" if note else done, "WARNING" if note else "INFO")
+        say(f"{done}. {note}" if note else done, "WARNING" if note else "INFO", run.title)
 
 
 # ------------------------------------------------------------------------------------------------------- messages
 
 
-def say(text: str, level: str) -> None:
+def say(text: str, level: str, about: str = "") -> None:
     """One line for a person: in the panel, the status bar and, where there is no window, the log."""
-    desk.message, desk.level = text, level
+    desk.message, desk.level, desk.about = text, level, about
     if text and bpy.app.background:
         print(f"mcsl: {text}", flush=True)
     _status_bar(text or None)

@@ -70,7 +70,7 @@ def time_text(frame: int, rate: Fraction) -> str:
 def seconds_text(seconds: float) -> str:
     """A length for people: 4.2 s, 1:23, 1:02:03."""
     if seconds < 59.95:
-        return f"{seconds:.1f} s"
+        return f"{seconds:.1f}\u00a0s"  # a line is not broken between them
     whole = round(seconds)
     if whole < 3600:
         return f"{whole // 60}:{whole % 60:02d}"

@@ -187,6 +187,14 @@ def _split(strip: Any, frame: int) -> Any:
     return right
 
 
+def split_at(strip: Any, frames: Sequence[int]) -> list[Any]:
+    """The parts of ``strip`` cut at programme frames, which rise and lie inside it; in order."""
+    parts = [strip]
+    for frame in frames:
+        parts.append(_split(parts[-1], frame))
+    return parts
+
+
 def _movie(scene: Any, name: str, path: Path, channel: int, start: int) -> Any:
     if not path.is_file():
         raise InputError("is missing", where=str(path), remedy="Put the file back, or correct the EDL's media paths")
@@ -220,7 +228,11 @@ def _decided(scene: Any, plan: StripPlan, base: Path) -> list[str]:
     for piece in plan.conformed:
         conformed(scene, piece, plan.conformed_channel, base)
     scene["mcsl_automatic"] = plans.automatic_to_text(plan.automatic)
-    return _sound(scene, plan, base)
+    notes = _sound(scene, plan, base)
+    for strip in scene.sequence_editor.strips:
+        if _role(strip) and strip.select:  # what is new comes selected: the next key would move it all
+            strip.select = False
+    return notes
 
 
 def conformed(scene: Any, piece: ConformedPiece, channel: int, base: Path) -> None:
@@ -447,9 +459,8 @@ def apply_switch(scene: Any, change: Switch) -> None:
 def revert(scene: Any, settings: Mapping[str, Sequence[Setting]], look: Look) -> None:
     """Strips cut and set as `reverting` decided; in what is set, look and centre are the programme's again."""
     for name, parts in settings.items():
-        strip = scene.sequence_editor.strips[name]
-        for index, part in enumerate(parts):
-            rest = _split(strip, part.range.stop) if index + 1 < len(parts) else None
+        cuts = [part.range.stop for part in parts[:-1]]
+        for strip, part in zip(split_at(scene.sequence_editor.strips[name], cuts), parts, strict=True):
             if part.source is not None:
                 strip.multicam_source = part.source
                 _be_silent(strip)
@@ -457,7 +468,6 @@ def revert(scene: Any, settings: Mapping[str, Sequence[Setting]], look: Look) ->
                     strip[f"mcsl_{aid}"] = getattr(look, aid)
                 if "offset" in part.said:
                     strip["mcsl_offset"] = AUTOMATIC
-            strip = rest
 
 
 def say_nothing(scene: Any) -> None:

@@ -101,6 +101,23 @@ def _tell(scene: Any, edl: Edl | None = None, problem: str = "", outstanding_s: 
     running.redraw()
 
 
+def show_recording(scene: Any) -> None:
+    """The panel's list of cameras from the EDL, where it is still empty: to analyse again needs no picking."""
+    work = scene.mcsl_work
+    if work.cameras:
+        return
+    try:
+        edl = scenes.edl_of(scene)
+    except McslError:
+        return
+    base = scenes.edl_path(scene, Path(bpy.data.filepath))
+    for camera in edl.cameras:
+        item = work.cameras.add()
+        item.name = camera.name
+        item.files = "\n".join(str(base.parent / media.path) for media in camera.media)
+    work.reference, work.edl = edl.reference, scene["mcsl_edl"]
+
+
 def rows() -> tuple[shots.ShotRow, ...]:
     """The list of shots as the panel has it."""
     return tuple(
@@ -153,6 +170,7 @@ def _loaded(*_: Any) -> None:
     state.shots.clear()
     state.problem, state.outstanding_s, state.lost_s, state.overrides = "", 0.0, 0.0, 0
     for scene in timelines():
+        show_recording(scene)
         problem = look(scene)
         if not bpy.app.background:
             continue

@@ -53,7 +53,7 @@ class MCSL_OT_analyse(bpy.types.Operator):
                         remedy=told("Build the timeline of {edl} by hand").format(edl=edl),
                     )
                 for note in build_into(target, edl):
-                    running.say(note, "WARNING")
+                    running.say(note, "WARNING", told("Analysis"))
 
             running.start(told("Analysis"), command, follow, cwd=edl.parent)
         except (McslError, OSError) as error:

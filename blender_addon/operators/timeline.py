@@ -43,6 +43,7 @@ def build_into(scene, path: Path) -> list[str]:
             raise
     folder = Path(bpy.data.filepath).parent if bpy.data.filepath else None
     scenes.set_ids(scene, edl, path.resolve(), folder)
+    watching.show_recording(scene)
     if folder is not None:
         bpy.ops.file.make_paths_relative()
     watching.look(scene)
