@@ -61,7 +61,7 @@ class Plugins:
                 return offer
         known = ", ".join(o.name for o in self.offers if o.stage == stage)
         raise UsageError(
-            f"there is no {stage} named {name!r}",
+            f"there is no {STAGES[stage].noun} named {name!r}",
             remedy=f"Choose one of {known}, or install the plugin that brings it (`mcsl plugins` lists all)",
         )
 
