@@ -29,6 +29,7 @@ from .switching import Switch
 
 ROLE = "mcsl"
 PLANNED = "mcsl_planned"  # of a camera strip: its transform without any correction
+NAME = "mcsl_name"  # of a Programme strip: the name it was given here; another one is the editor's
 TRACKS = "mcsl_tracks"  # of the scene: what the camera strips were made from
 LOOK = "mcsl_look_"  # of the scene, with the aid's name after it: switched for the whole programme
 KEYS = "mcsl_keys"  # of the scene: the Centering strip's keys as they were written
@@ -214,9 +215,9 @@ def _decided(scene: Any, plan: StripPlan, base: Path) -> list[str]:
     _channel(scene, plan.centering_channel, "Centering")
     _channel(scene, plan.conformed_channel, "Conformed")
     for number, shot in enumerate(plan.programme, 1):  # names of their own: Blender's search for a free .001 is slow
-        strip = new_effect(
-            scene, f"shot {number}", "MULTICAM", plan.programme_channel, shot.range.start, shot.range.stop
-        )
+        name = f"{number}: {shot.camera}"
+        strip = new_effect(scene, name, "MULTICAM", plan.programme_channel, shot.range.start, shot.range.stop)
+        strip[NAME] = name
         strip.multicam_source = shot.source
         strip[ROLE], strip["mcsl_id"], strip["mcsl_automatic"] = "programme", shot.id, shot.automatic
         if shot.overridden:
@@ -484,13 +485,21 @@ def _be_silent(strip: Any) -> None:
         strip.pop(f"mcsl_{name}", None)
 
 
-def colour(scene: Any, overridden: frozenset[str]) -> None:
-    """Yellow for the strips of these names, none for the other Multicam strips; a colour of the editor's own stays."""
-    for strip in scene.sequence_editor.strips:
-        if strip.type == "MULTICAM" and strip.color_tag in ("NONE", OVERRIDDEN_COLOUR):
-            wanted = OVERRIDDEN_COLOUR if strip.name in overridden else "NONE"
-            if strip.color_tag != wanted:
-                strip.color_tag = wanted
+def label(scene: Any, overridden: frozenset[str], cameras: Mapping[str, str]) -> None:
+    """Yellow for the ``overridden`` strips, none for the other Multicam strips, and the camera in their names.
+
+    cameras: what each strip shows, by its name. An editor's own colours and names stay.
+    """
+    for strip in [s for s in scene.sequence_editor.strips if s.type == "MULTICAM"]:
+        name = strip.name
+        wanted = OVERRIDDEN_COLOUR if name in overridden else "NONE"
+        if strip.color_tag != wanted and strip.color_tag in ("NONE", OVERRIDDEN_COLOUR):
+            strip.color_tag = wanted
+        given = strip.get(NAME)  # split, it is followed by .001
+        if given and name.startswith(given) and name in cameras:
+            number = given.partition(":")[0]
+            if (now := f"{number}: {cameras[name]}") != given:
+                strip.name = strip[NAME] = now
 
 
 def can_be_reset(strip: Any) -> bool:

@@ -8,7 +8,7 @@ decides. So a key works while the programme plays, as Blender's own multicam key
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from attrs import frozen
 
@@ -16,6 +16,7 @@ from mcsl_core.decisions import resolve
 from mcsl_core.edl import Edl
 from mcsl_core.errors import InputError
 
+from .nudges import FoundCamera
 from .readback import FoundStrip, SequencerState
 
 
@@ -61,7 +62,11 @@ def _channel_of(state: SequencerState, camera: str, frame: int) -> int:
     own = [c for c in state.cameras if c.camera == camera]
     if not own:
         raise InputError(f"{camera} has no strip in this timeline", remedy="Build the timeline again")
-    return min(own, key=lambda c: max(c.start - frame, frame - c.stop + 1, 0)).channel
+    return _nearest(own, frame).channel
+
+
+def _nearest(strips: Sequence[FoundCamera], frame: int) -> FoundCamera:
+    return min(strips, key=lambda c: max(c.start - frame, frame - c.stop + 1, 0))
 
 
 def overridden(edl: Edl, strips: Iterable[FoundStrip]) -> frozenset[str]:
@@ -75,3 +80,11 @@ def overridden(edl: Edl, strips: Iterable[FoundStrip]) -> frozenset[str]:
         if not strip.muted and any(decision.overridden for _, decision in decisions[first:last]):
             names.append(strip.name)
     return frozenset(names)
+
+
+def shown_cameras(state: SequencerState) -> dict[str, str]:
+    """What each strip shows where it begins, by the strips' names; those that show no camera are left out."""
+    on: dict[int, list[FoundCamera]] = {}
+    for camera in state.cameras:
+        on.setdefault(camera.channel, []).append(camera)
+    return {s.name: _nearest(on[s.source], s.start).camera for s in state.strips if s.source in on}

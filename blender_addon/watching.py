@@ -58,7 +58,8 @@ def look(scene: Any) -> str:
         edl = _last[scene.name] = decided(scene)
         missing, lost = conformed.keep_true(scene, edl)
         _centre(scene, edl)
-        strips.colour(scene, switching.overridden(edl, strips.read(scene).strips))
+        state = strips.read(scene)
+        strips.label(scene, switching.overridden(edl, state.strips), switching.shown_cameras(state))
     except McslError as error:
         _tell(scene, problem=str(error))
         return str(error)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from blender_addon.plan import make_plan
 from blender_addon.readback import AUTOMATIC, FoundStrip, SequencerState, read_edl
-from blender_addon.switching import Switch, deciding, overridden, switch
+from blender_addon.switching import Switch, deciding, overridden, shown_cameras, switch
 from mcsl_core.decisions import resolve
 from mcsl_core.edl import Edl, Override
 from mcsl_core.errors import InputError
@@ -93,6 +93,13 @@ def test_a_camera_moved_to_another_channel_is_found_there():
     state = attrs.evolve(state, cameras=(*others, *split))
     sources = {frame: change.source for frame in (120, 149, 153, 157, 160) if (change := switch(state, frame, "cam3"))}
     assert sources == {120: 3, 149: 3, 153: 3, 157: 1, 160: 1}  # in its pause the nearer piece
+
+
+def test_strips_are_told_by_the_camera_they_show():
+    state = built(small_edl())
+    odd = FoundStrip("odd", TOP + 1, 0, 10, 9)
+    state = attrs.evolve(state, strips=(*state.strips, odd))
+    assert shown_cameras(state) == {"shot-0000000": "cam1", "shot-0000100": "cam2", "shot-0000200": "cam3"}
 
 
 def test_the_colour_goes_with_what_pulling_would_write():

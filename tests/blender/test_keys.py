@@ -134,3 +134,21 @@ def test_pressed_saved_opened_again_and_pressed_on(built, blender):
     expected = (KEPT, Override(R(12, 15), camera="cam2"), Override(R(15, 20), camera="cam3"))
     assert pull(built, blender=blender).overrides == expected
     assert edls.load(built.parent / "edl.json").overrides == expected
+
+
+def test_strips_are_named_after_the_camera_they_show_unless_the_editor_named_them(built, blender):
+    code = (
+        SWITCH_ON
+        + SHOTS
+        + """
+    def names(): return [s.name for s in sorted(strips, key=lambda s: span(s)) if s.type == "MULTICAM"]
+    out = [names()]
+    at(5, 40).name = "look here"
+    press(12, number=2)
+    press(40, number=2)
+    out.append(names())
+    """
+    )
+    before, after = in_blender(blender, built, code, save=False)
+    assert before == ["1: cam1", "2: cam2", "3: cam3", "4: cam1", "5: cam3"]
+    assert after == ["1: cam1", "1: cam2", "2: cam2", "look here", "4: cam1", "5: cam3"]
