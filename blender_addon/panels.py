@@ -11,7 +11,7 @@ from mcsl_core.errors import McslError
 from . import conformed, preferences, running, scenes, shots, strips, watching
 from .operators.look import AIDS
 from .operators.recording import work_of
-from .properties import STAGES
+from .recordings import STAGES
 from .translations import shown
 
 WIDTH = 44  # letters of a line where there is no sidebar to measure

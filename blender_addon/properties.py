@@ -10,18 +10,9 @@ from pathlib import Path
 import bpy  # pyright: ignore[reportMissingImports]
 
 from . import deliveries, running
+from .recordings import STAGES
 from .translations import shown
 
-# option of `mcsl analyse` -> label; a test holds it against mcsl's own stages
-STAGES = {
-    "movement": "Movement",
-    "matcher": "Matching",
-    "aligner": "Alignment",
-    "occlusion": "Occlusion",
-    "selector": "Selection",
-    "centerer": "Centering",
-    "filler": "Fill",
-}
 DEFAULT = "DEFAULT"
 
 _kept: dict = {}  # Blender does not keep the texts of dynamic enums: somebody must

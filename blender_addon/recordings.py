@@ -9,6 +9,17 @@ from pathlib import Path
 
 from attrs import frozen
 
+# option of `mcsl analyse` -> label; a test holds it against mcsl's own stages
+STAGES = {
+    "movement": "Movement",
+    "matcher": "Matching",
+    "aligner": "Alignment",
+    "occlusion": "Occlusion",
+    "selector": "Selection",
+    "centerer": "Centering",
+    "filler": "Fill",
+}
+
 _PART = re.compile(r"(.+)[_-]\d{3}", re.DOTALL)
 
 

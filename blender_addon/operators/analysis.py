@@ -12,7 +12,7 @@ import bpy  # pyright: ignore[reportMissingImports]
 from mcsl_core.errors import InputError, McslError
 
 from .. import preferences, recordings, running, strips
-from ..properties import STAGES
+from ..recordings import STAGES
 from ..translations import told
 from .recording import work_of
 from .timeline import build_into, pull
