@@ -1,0 +1,190 @@
+"""The whole way through a real Blender 5.2 LTS with its window: run by hand, as root, on Debian.
+
+    python tests/real_blender/run.py TREE WORK [--project FOLDER] [--pictures FOLDER] [--steps install,desk,...]
+
+TREE holds Debian sid with Blender (made when it is not there: a minute or three, 1.6 GB). WORK takes everything else.
+--project: a folder with edl.json and its media, copied to WORK; without it the demo's. --pictures: the window's
+pictures go there as well, as JPEG. Each step is done by the real thing:
+
+install   the extension is built, and installed by Blender's own command
+desk      its buttons build the timeline, switch cameras and write the overrides into the EDL
+conform   this machine's mcsl makes the exact pictures and puts them in place
+render    `blender -b edit.blend -a`; the video is compared with `--engine direct`, frame by frame
+window    the window opens under Xvfb: real keys cut and undo, a nudge is pulled; pictures are taken
+
+It says what it found and ends with 1 where something is not as it should be. Before TREE is deleted nothing may be
+mounted in it (`mount | grep TREE`); this script unmounts what it mounts, also when it fails.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+
+import av
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parent))
+import chroot
+from chroot import DOOR, Bound
+
+from mcsl_core import edl as edls
+from mcsl_core.images import psnr
+
+ROOT = Path(__file__).resolve().parents[2]
+STEPS = ("install", "desk", "conform", "render", "window")
+MCSL = Path(sys.executable).with_name("mcsl")
+LEAST_DB = 38.0  # two engines' delivery at CRF 17 add up to 39 dB; a frame off comes out below 32: see test_render.py
+SCREEN = (1920, 1080)
+
+
+class Desk:
+    """The tree, the work folder, and the commands that run inside and outside."""
+
+    def __init__(self, tree: Path, work: Path) -> None:
+        self.tree, self.work = tree, work
+        self.project = work / "project"
+        self.edl, self.blend = self.project / "edl.json", self.project / "edit.blend"
+        self.blender = chroot.blender_for_outside(tree, work / "blender")
+        chroot.mcsl_for_inside(tree, MCSL)
+        for name in ("tmp", "user", "pictures"):
+            (work / name).mkdir(exist_ok=True)
+        self.environment = {
+            "HOME": str(work),
+            "PATH": "/usr/local/bin:/usr/bin:/bin",
+            "LANG": "C.UTF-8",
+            "TMPDIR": str(work / "tmp"),
+            "LIBGL_ALWAYS_SOFTWARE": "1",
+            "BLENDER_USER_RESOURCES": str(work / "user"),
+        }
+
+    def inside(self, *words: str, within_s: float = 1800) -> str:
+        """Runs a command in the tree; returns what it printed, and fails with it."""
+        command = [shutil.which("chroot") or "chroot", str(self.tree), *words]
+        done = subprocess.run(
+            command, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=within_s
+        )
+        (self.work / "last.log").write_text(done.stdout)
+        if done.returncode != 0:
+            raise SystemExit(f"{' '.join(words)} ended with {done.returncode}:\n{done.stdout[-4000:]}")
+        return done.stdout
+
+    def mcsl(self, *words: str) -> None:
+        """This machine's mcsl, with the tree's Blender."""
+        environment = os.environ | {"MCSL_BLENDER": str(self.blender), "TMPDIR": str(self.work / "tmp")}
+        subprocess.run([str(MCSL), "--progress", "lines", *words], check=True, env=environment)
+
+
+def install(desk: Desk) -> None:
+    target = desk.work / "mcsl.zip"
+    environment = os.environ | {"MCSL_BLENDER": str(desk.blender), "TMPDIR": str(desk.work / "tmp")}
+    subprocess.run([sys.executable, str(ROOT / "tools" / "extension.py"), str(target)], check=True, env=environment)
+    said = desk.inside("blender", "--command", "extension", "install-file", "-r", "user_default", "-e", str(target))
+    assert 'Installed "mcsl"' in said, said
+
+
+def make_desk(desk: Desk) -> None:
+    script = str(Path(__file__).with_name("inside.py"))
+    start = ["blender", "-b", "--python-exit-code", "1"]
+    edl = edls.load(desk.edl)
+    edls.save(edls.from_json({**edls.to_json(edl), "overrides": []}), desk.edl)
+    desk.inside(*start, "-P", script, "--", "build", str(desk.edl), str(desk.blend))
+    shots = [shot for shot in edl.shots if len(shot.range) > 4 * edl.rate][:2]
+    wanted = []
+    for shot in shots:  # another camera from the middle of the shot on
+        other = next(c.name for c in edl.cameras if c.name != shot.camera)
+        wanted += [other, str(float((shot.range.start + len(shot.range) // 2) / edl.rate))]
+    desk.inside(*start, str(desk.blend), "-P", script, "--", "override", *wanted)
+    found = [(o.camera, o.range.stop) for o in edls.load(desk.edl).overrides]
+    assert found == [(c, s.range.stop) for c, s in zip(wanted[::2], shots, strict=True)], found
+    print(f"overrides by the panel's own operators: {found}")
+
+
+def conform(desk: Desk) -> None:
+    desk.mcsl("conform", str(desk.edl))
+    desk.mcsl("timeline", str(desk.edl), "-o", str(desk.blend))
+
+
+def render(desk: Desk) -> None:
+    said = desk.inside("blender", "-b", str(desk.blend), "-a")
+    assert "mcsl: warning" not in said, said[-2000:]
+    direct = desk.work / "direct.mp4"
+    desk.mcsl("render", str(desk.edl), "-o", str(direct), "--engine", "direct")
+    compare(desk.project / "edit.mp4", direct, edls.load(desk.edl).frames)
+
+
+def compare(rendered: Path, direct: Path, frames: int) -> None:
+    """The two engines' pictures, luma by luma."""
+    figures = []
+    with av.open(str(rendered)) as a, av.open(str(direct)) as b:
+        for one, other in zip(a.decode(video=0), b.decode(video=0), strict=True):
+            figures.append(psnr(*(p.to_ndarray()[: p.height] for p in (one, other))))
+    print(f"{len(figures)} frames of {frames}; luma PSNR {min(figures):.1f} to {max(figures):.1f} dB, ", end="")
+    print(f"median {np.median(figures):.1f}, between `blender -a` and `--engine direct`")
+    assert len(figures) == frames
+    assert min(figures) >= LEAST_DB
+
+
+def window(desk: Desk) -> None:
+    script = str(Path(__file__).with_name("window.py"))
+    screen = f"-screen 0 {SCREEN[0]}x{SCREEN[1]}x24"
+    blender = ["blender", "--gpu-backend", "opengl", "--window-geometry", "0", "0", *map(str, SCREEN)]
+    out = desk.work / "pictures"
+    desk.inside("xvfb-run", "-a", "-s", screen, *blender, str(desk.blend), "-P", script, "--", str(out), within_s=900)
+    found = json.loads((out / "window.json").read_text())
+    print(json.dumps(found, indent=1))
+    assert "error" not in found, found["error"]
+    assert found["wrong"] == [], found["wrong"]
+
+
+def pictures(desk: Desk, target: Path) -> None:
+    """As JPEG for the docs, small enough to be read over a slow line."""
+    for path in sorted((desk.work / "pictures").glob("*.png")):
+        to = target / f"blender-{path.stem}.jpg"
+        desk.inside("convert", str(path), "-quality", "88", str(desk.work / "tmp" / to.name))
+        shutil.move(desk.work / "tmp" / to.name, to)
+        print(f"{to}: {to.stat().st_size // 1024} KB")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("tree", type=Path)
+    parser.add_argument("work", type=Path)
+    parser.add_argument("--project", type=Path)
+    parser.add_argument("--pictures", type=Path)
+    parser.add_argument("--mirror")
+    parser.add_argument("--steps", default=",".join(STEPS))
+    given = parser.parse_args()
+    tree, work = given.tree.resolve(), given.work.resolve()
+    work.mkdir(parents=True, exist_ok=True)
+    chroot.make(tree, given.mirror or chroot.own_mirror())
+    folders = [
+        Bound(ROOT),
+        Bound(Path(sysconfig.get_path("purelib"))),
+        Bound(work, writable=True),
+        Bound(Path("/"), DOOR),
+        Bound(Path("/proc"), DOOR / "proc"),
+        Bound(work, DOOR / work.relative_to("/"), writable=True),
+    ]
+    with chroot.bound(tree, folders):
+        desk = Desk(tree, work)
+        if not desk.edl.exists():
+            if given.project is None:
+                desk.mcsl("demo", str(desk.project))
+            else:
+                shutil.copytree(given.project, desk.project, ignore=shutil.ignore_patterns("*.cache", "*.conformed"))
+        for step in given.steps.split(","):
+            print(f"--- {step}", flush=True)
+            {"install": install, "desk": make_desk, "conform": conform, "render": render, "window": window}[step](desk)
+        if given.pictures is not None:
+            pictures(desk, given.pictures.resolve())
+
+
+if __name__ == "__main__":
+    main()
