@@ -75,7 +75,8 @@ def programme(clip: Path, kind: str, seconds: float) -> Edl:
             name: as_matrix(np.array([1.04, 0.97, 1.02]), np.array([-2.0, 1.0, 3.0])) for name in truth.cameras[1:]
         },
     )
-    end = (40.5, 30.25) if kind == MOVING else (12.5, -8.25)
+    held = (12.0, -8.0)  # whole pixels, as `FieldCenterer` holds them
+    end = (40.5, 30.25) if kind == MOVING else held
     return Edl(
         rate=truth.rate,
         size=truth.size,
@@ -85,7 +86,7 @@ def programme(clip: Path, kind: str, seconds: float) -> Edl:
         poses=(pose,),
         shots=(Shot(FrameRange(0, frames), truth.cameras[1]),),
         look=LOOKS[kind],
-        centering=((0, 12.5, -8.25), (frames - 1, *end)),
+        centering=((0, *held), (frames - 1, *end)),
     )
 
 

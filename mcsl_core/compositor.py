@@ -63,44 +63,62 @@ def warp_planes(planes: Planes, matrix: Matrix, rect: Rect, resampling: Resampli
     A plane that only moves by whole samples is not resampled: it keeps every bit, and the identity is ``planes``
     itself.
     """
-    matrix = translation(-rect.x, -rect.y) @ matrix
-    matrix = matrix / matrix[2, 2]
-    size = (rect.width, rect.height)
-    if planes.size == size and np.abs(matrix - np.eye(3)).max() < 1e-9:
+    m = np.array(matrix)
+    m[0] -= rect.x * m[2]
+    m[1] -= rect.y * m[2]
+    m /= m[2, 2]
+    size, half = (rect.width, rect.height), (rect.width // 2, rect.height // 2)
+    shift = _shift(m)
+    if shift == (0, 0) and planes.size == size:
         return planes
-    chroma = _FROM_CHROMA @ matrix @ _CHROMA
-    half = (rect.width // 2, rect.height // 2)
-    y, u, v = (
-        _warped(plane, m, s, black=BLACK[index], white=_WHITE[index], resampling=resampling)
-        for index, (plane, m, s) in enumerate(zip(planes, (matrix, chroma, chroma), (size, half, half), strict=True))
+    if shift is not None and shift[0] % 2 == 0 and shift[1] % 2 == 0:
+        dx, dy = shift
+        return Planes(
+            _moved(planes.y, dx, dy, size, BLACK[0]),
+            _moved(planes.u, dx // 2, dy // 2, half, BLACK[1]),
+            _moved(planes.v, dx // 2, dy // 2, half, BLACK[2]),
+        )
+    chroma = _FROM_CHROMA @ m @ _CHROMA
+    return Planes(
+        _moved(planes.y, *shift, size, BLACK[0]) if shift else _warped(planes.y, m, size, 0, resampling),
+        _warped(planes.u, chroma, half, 1, resampling),
+        _warped(planes.v, chroma, half, 2, resampling),
     )
-    return Planes(y, u, v)
 
 
-def _warped(plane: U8, matrix: Matrix, size: tuple[int, int], *, black: int, white: int, resampling: Resampling) -> U8:
-    shift = matrix.round()
-    if np.abs(matrix - shift).max() < 1e-6 and (shift[:2, :2] == np.eye(2)).all() and not shift[2, :2].any():
-        return _moved(plane, int(shift[0, 2]), int(shift[1, 2]), size, black)
-    flags = cv2.INTER_LINEAR if resampling == "linear" else cv2.INTER_LANCZOS4
-    warped = np.asarray(
-        cv2.warpPerspective(plane, matrix, size, flags=flags, borderMode=cv2.BORDER_CONSTANT, borderValue=black),
-        np.uint8,
-    )
-    if resampling == "linear":
-        return warped
-    # Lanczos overshoots at edges: to no code outside limited range that the source has not itself.
-    low, high, *_ = cv2.minMaxLoc(plane)
-    return warped.clip(min(16, int(low)), max(white, int(high)), out=warped)
+def _shift(m: Matrix) -> tuple[int, int] | None:
+    """(dx, dy) of a matrix that moves by whole pixels, to a millionth, and does nothing else."""
+    (a, b, x), (c, d, y), (e, f, _) = m.tolist()
+    if max(abs(a - 1), abs(b), abs(c), abs(d - 1), 1000 * abs(e), 1000 * abs(f)) > 1e-9:
+        return None
+    dx, dy = round(x), round(y)
+    return (dx, dy) if max(abs(x - dx), abs(y - dy)) < 1e-6 else None
 
 
 def _moved(plane: U8, dx: int, dy: int, size: tuple[int, int], black: int) -> U8:
-    """``plane`` moved by whole samples on a (width, height) of ``black``."""
+    """``plane`` moved by whole samples on a (width, height) of ``black``; a view of it where it reaches everywhere."""
     width, height = size
+    if dx <= 0 and dy <= 0 and width - dx <= plane.shape[1] and height - dy <= plane.shape[0]:
+        return plane[-dy : height - dy, -dx : width - dx]
     out = np.full((height, width), black, np.uint8)
     left, top = max(dx, 0), max(dy, 0)
     part = plane[top - dy : max(height - dy, 0), left - dx : max(width - dx, 0)]
     out[top : top + part.shape[0], left : left + part.shape[1]] = part
     return out
+
+
+def _warped(plane: U8, matrix: Matrix, size: tuple[int, int], index: int, resampling: Resampling) -> U8:
+    """The plane with that ``index`` (Y', Cb, Cr) resampled through ``matrix``, between its own samples."""
+    flags = cv2.INTER_LINEAR if resampling == "linear" else cv2.INTER_LANCZOS4
+    black = BLACK[index]
+    warped: U8 = cv2.warpPerspective(  # pyright: ignore[reportAssignmentType]
+        plane, matrix, size, flags=flags, borderMode=cv2.BORDER_CONSTANT, borderValue=black
+    )
+    if resampling == "linear":
+        return warped
+    # Lanczos overshoots at edges: to no code outside limited range that the source has not itself.
+    low, high, *_ = cv2.minMaxLoc(plane)
+    return warped.clip(min(16, int(low)), max(_WHITE[index], int(high)), out=warped)
 
 
 def footprint(size: tuple[int, int], matrix: Matrix, programme: tuple[int, int]) -> U8:
