@@ -1,8 +1,8 @@
 # Thin: dev.py does the work and sets up what is missing.
 PYTHON ?= python3
 
-.PHONY: help setup demo test fast addon lint docs
+.PHONY: help setup demo test fast addon test-addon lint docs
 help:
 	@$(PYTHON) dev.py --help
-setup demo test fast addon lint docs:
+setup demo test fast addon test-addon lint docs:
 	@$(PYTHON) dev.py $@

@@ -4,15 +4,16 @@
     python3 dev.py demo [DIR]       the whole way once: simulated recording, analysis, Blender timeline, video
     python3 dev.py test [ARGS]      all checks and all tests (ARGS go to pytest)
     python3 dev.py fast [ARGS]      the quick tests only, without Blender
-    python3 dev.py addon [ARGS]     the tests of the add-on, those inside Blender too
+    python3 dev.py addon [OUT.zip]  builds the Blender extension (default: dist/mcsl-VERSION.zip)
+    python3 dev.py test-addon [ARGS]   the tests of the extension, those inside Blender too
     python3 dev.py lint             ruff, pyright, generated pages up to date
     python3 dev.py docs             writes the generated pages
     python3 dev.py setup            only sets up
     python3 dev.py mcsl ARGS        the command line itself
 
 Set-up is done by whichever comes first and again when pyproject.toml changes: an environment in .venv (another
-folder: MCSL_VENV) and, where no Blender is found, one as a Python module (`mcsl blender install`, under MCSL_HOME).
-Standard library only.
+folder: MCSL_VENV) and, where no Blender is found, one as a Python module (`mcsl blender install`, under MCSL_HOME);
+for tests the oldest supported Blender as well (another: MCSL_BLENDER_OLDEST). Standard library only.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
 OLDEST = (3, 11)
+OLDEST_BLENDER = "4.5"
 NAMES = ("python3.11", "python3.12", "python3.13", "python3.14")
 
 # Asked in the environment: is there a Blender, and which Debian packages would bpy still need?
@@ -222,6 +224,14 @@ def bring_blender(environment: Environment) -> None:
             raise Failure("Blender could not be brought; `python3 dev.py mcsl blender` says more")
 
 
+def bring_oldest_blender(environment: Environment) -> None:
+    """Makes sure that the tests which run in two Blenders have the second. Where it cannot be had they are skipped."""
+    if not os.environ.get("MCSL_BLENDER_OLDEST") and environment.mcsl(
+        "blender", "install", "--version", OLDEST_BLENDER
+    ):
+        say(f"without Blender {OLDEST_BLENDER} the tests that want it are skipped")
+
+
 # ------------------------------------------------------------------------------------------------- the commands
 
 
@@ -257,9 +267,10 @@ def all_tests() -> list[str]:
     return ["tests", *(str(f.parent / "tests") for f in plugin_projects() if (f.parent / "tests").is_dir())]
 
 
-COMMANDS = ("demo", "test", "fast", "addon", "lint", "docs", "setup", "mcsl")
-NEED_BLENDER = ("demo", "test", "addon", "setup")
-TAKE_ARGUMENTS = ("demo", "test", "fast", "addon", "mcsl")
+COMMANDS = ("demo", "test", "fast", "addon", "test-addon", "lint", "docs", "setup", "mcsl")
+NEED_BLENDER = ("demo", "test", "addon", "test-addon", "setup")
+NEED_THE_OLDEST = ("test", "test-addon")
+TAKE_ARGUMENTS = ("demo", "test", "fast", "addon", "test-addon", "mcsl")
 
 
 def run(command: str, arguments: list[str]) -> int:
@@ -267,6 +278,8 @@ def run(command: str, arguments: list[str]) -> int:
     environment.make()
     if command in NEED_BLENDER:
         bring_blender(environment)
+    if command in NEED_THE_OLDEST:
+        bring_oldest_blender(environment)
     if command in ("demo", "mcsl"):
         return environment.mcsl(*(["demo"] if command == "demo" else []), *arguments)
     failed: list[str] = []
@@ -281,6 +294,8 @@ def run(command: str, arguments: list[str]) -> int:
     elif command == "fast":
         failed = pytest(environment, "-m", "not slow and not blender", *which_tests(arguments))
     elif command == "addon":
+        return environment.call("tools/extension.py", *(str(Path(argument).absolute()) for argument in arguments))
+    elif command == "test-addon":
         failed = pytest(environment, "tests/addon", "tests/blender", *arguments)
     if failed:
         raise Failure(f"failed: {', '.join(failed)}")

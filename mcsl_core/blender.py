@@ -22,7 +22,7 @@ from typing import Literal
 import platformdirs
 from attrs import frozen
 
-from .errors import BlenderError, McslError
+from .errors import BlenderError, McslError, UsageError
 from .progress import Progress, Silent
 
 SUPPORTED = {(4, 5): "4.5 LTS", (5, 0): "5.0", (5, 2): "5.2 LTS"}
@@ -30,8 +30,9 @@ SUPPORTED_TEXT = "4.5 LTS, 5.0 or 5.2 LTS"
 
 PRIVATE = "the private environment of `mcsl blender install`"
 
-# Python -> the bpy that has a wheel for it. In order of preference: what the tests use first.
-WHEELS = {"3.11": "bpy==5.0.1", "3.13": "bpy>=5.2,<5.3"}
+# Blender -> the Python that its bpy has a wheel for, and the requirement. In order of preference.
+WHEELS = {"5.0": ("3.11", "bpy==5.0.1"), "5.2": ("3.13", "bpy>=5.2,<5.3"), "4.5": ("3.11", "bpy>=4.5.15,<4.6")}
+UNASKED = ("5.0", "5.2")  # what is installed where no version is asked for: what fits a Python that is here
 BESIDE = ("attrs>=24.2", "cattrs>=24.1")
 
 # Shared object -> Debian package (trixie and bookworm), of everything bpy links against outside the C library.
@@ -71,9 +72,9 @@ def home() -> Path:
     return Path(given) if given else Path(platformdirs.user_data_dir("mcsl"))
 
 
-def private_python() -> Path:
-    """Where the Python of the private environment is, if `mcsl blender install` made one."""
-    folder = home() / "blender-env"
+def private_python(version: str | None = None) -> Path:
+    """Where the Python of the private environment is, if `mcsl blender install` made one (with --version: for it)."""
+    folder = home() / ("blender-env" if version is None else f"blender-env-{version}")
     return folder / "Scripts" / "python.exe" if os.name == "nt" else folder / "bin" / "python"
 
 
@@ -230,26 +231,30 @@ def _bpy_library(python: tuple[str, ...]) -> str | None:
 # ------------------------------------------------------------------------------------------------------ installing
 
 
-def install(progress: Progress | None = None) -> Blender:
+def install(progress: Progress | None = None, version: str | None = None) -> Blender:
     """Makes the private environment and returns its Blender. Whole or not at all; one that is there is kept.
 
-    Raises BlenderError when no Python with a wheel is found, pip fails, or the module does not start.
+    version: such as 4.5. It gets an environment of its own, which is used only where it is named. Raises UsageError
+    for an unknown version, BlenderError when no Python with a wheel is found, pip fails, or the module does not start.
     """
     progress = progress or Silent()
-    target = home() / "blender-env"
-    if private_python().exists():
+    if version is not None and version not in WHEELS:
+        raise UsageError(f"there is no Blender {version} to install", remedy=f"Take one of {', '.join(sorted(WHEELS))}")
+    own = private_python(version)
+    target = own.parents[1]
+    if own.exists():
         progress.note(f"{target} is there already; delete it to make it anew")
-        return _probe(str(private_python()), PRIVATE)
-    python, number = _python_with_wheel()
+        return _probe(str(own), PRIVATE)
+    python, number, requirement = _python_with_wheel(UNASKED if version is None else (version,))
     home().mkdir(parents=True, exist_ok=True)
     part = Path(tempfile.mkdtemp(prefix="blender-env.part-", dir=home()))
     try:
         progress.stage(f"making an environment with Python {number}")
         _call([python, "-m", "venv", str(part)], progress.note)
-        progress.stage(f"installing {WHEELS[number]}")
-        inside = part / private_python().relative_to(target)
+        progress.stage(f"installing {requirement}")
+        inside = part / own.relative_to(target)
         _call(
-            [str(inside), "-m", "pip", "install", "--disable-pip-version-check", WHEELS[number], *BESIDE],
+            [str(inside), "-m", "pip", "install", "--disable-pip-version-check", requirement, *BESIDE],
             lambda line: progress.note(line) if line.startswith(("Downloading", "Successfully")) else None,
         )
         progress.stage("starting it once")
@@ -263,23 +268,27 @@ def install(progress: Progress | None = None) -> Blender:
     except BaseException:
         shutil.rmtree(part, ignore_errors=True)
         raise
-    return _probe(str(private_python()), PRIVATE)
+    return _probe(str(own), PRIVATE)
 
 
-def _python_with_wheel() -> tuple[str, str]:
-    """A Python that bpy has a wheel for: this one, else one on PATH that really runs (a pyenv shim may not)."""
+def _python_with_wheel(versions: tuple[str, ...]) -> tuple[str, str, str]:
+    """A Python that one of these bpy has a wheel for, its number, and the requirement.
+
+    This Python, else one on PATH that really runs (a pyenv shim may not).
+    """
     own = f"{sys.version_info.major}.{sys.version_info.minor}"
-    if own in WHEELS:
-        return sys.executable, own
-    for number in WHEELS:
+    wheels = dict(WHEELS[version] for version in versions)
+    if own in wheels:
+        return sys.executable, own, wheels[own]
+    for number, requirement in wheels.items():
         if (path := shutil.which(f"python{number}")) is None:
             continue
         check = f"import sys, venv, ensurepip; assert sys.version_info[:2] == {tuple(map(int, number.split('.')))}"
         if subprocess.run([path, "-c", check], capture_output=True, timeout=60, check=False).returncode == 0:
-            return path, number
+            return path, number, requirement
     raise BlenderError(
-        f"bpy has wheels for Python {' and '.join(WHEELS)} only; this is {own} and neither is on PATH",
-        remedy=f"Install one of them (on Debian: apt-get install -y python{next(iter(WHEELS))}-venv), "
+        f"bpy has wheels for Python {' and '.join(wheels)} only; this is {own}, and none of them is on PATH",
+        remedy=f"Install one of them (on Debian: apt-get install -y python{next(iter(wheels))}-venv), "
         "or name a Blender by --blender or MCSL_BLENDER",
     )
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from mcsl_core import edl as edls
-from mcsl_core.blender import Blender, find
+from mcsl_core.blender import Blender, find, private_python
 from mcsl_core.edl import IDENTITY, Camera, Clock, Edl, Media, Movement, Override, Pose, Shot
 from mcsl_core.timing import FrameRange
 from mcsl_core.video import Encoding, VideoWriter
@@ -33,11 +33,25 @@ def pytest_collection_modifyitems(items):
             item.add_marker(pytest.mark.blender)
 
 
+def pytest_generate_tests(metafunc):
+    """Tests marked `both_blenders` run in the oldest supported Blender too, each in its own environment."""
+    if "blender" in metafunc.fixturenames:
+        both = metafunc.definition.get_closest_marker("both_blenders") is not None
+        metafunc.parametrize("blender", ["newer", "4.5"] if both else ["newer"], indirect=True, scope="session")
+
+
 @pytest.fixture(scope="session")
-def blender() -> Blender:
+def blender(request) -> Blender:
+    """The Blender that `mcsl` finds, or the oldest one: MCSL_BLENDER_OLDEST, `mcsl blender install --version 4.5`."""
     if os.environ.get("MCSL_TESTS_WITHOUT_BLENDER") == "1":
         pytest.skip("MCSL_TESTS_WITHOUT_BLENDER=1")
-    return find()
+    if request.param == "newer":
+        return find()
+    oldest = os.environ.get("MCSL_BLENDER_OLDEST") or str(private_python("4.5"))
+    if not Path(oldest).exists():
+        how = "no Blender 4.5 here: mcsl blender install --version 4.5, or MCSL_BLENDER_OLDEST"
+        (pytest.fail if os.environ.get("MCSL_TESTS_BOTH_BLENDERS") == "1" else pytest.skip)(how)
+    return find(oldest)
 
 
 def picture(number: int, ground: int = 60, size: tuple[int, int] = SIZE) -> np.ndarray:

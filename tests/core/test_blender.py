@@ -12,7 +12,7 @@ import pytest
 
 from mcsl_core import blender
 from mcsl_core.blender_child import run
-from mcsl_core.errors import BlenderError, Cancelled
+from mcsl_core.errors import BlenderError, Cancelled, UsageError
 from mcsl_core.progress import Silent
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="the stand-ins are shell scripts")
@@ -176,12 +176,20 @@ def test_a_cancel_ends_a_silent_child_and_what_it_started(tmp_path):
         pytest.fail("the grandchild still runs")
 
 
+def test_another_version_has_an_environment_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.setenv("MCSL_HOME", str(tmp_path))
+    assert blender.private_python("4.5").parents[1] == tmp_path / "blender-env-4.5"
+    assert blender.private_python().parents[1] == tmp_path / "blender-env"
+    with pytest.raises(UsageError, match=r"no Blender 3.6 to install.*4.5, 5.0, 5.2"):
+        blender.install(version="3.6")
+
+
 def test_a_failed_install_leaves_nothing(tmp_path, monkeypatch):
     fake = tmp_path / "python"
     fake.write_text("#!/bin/sh\necho pip has no network >&2\nexit 1\n")
     fake.chmod(0o755)
     monkeypatch.setattr(sys, "executable", str(fake))
-    monkeypatch.setattr(blender, "WHEELS", {f"{sys.version_info.major}.{sys.version_info.minor}": "bpy"})
+    monkeypatch.setattr(blender, "WHEELS", {"5.0": (f"{sys.version_info.major}.{sys.version_info.minor}", "bpy")})
     with pytest.raises(BlenderError, match="pip has no network"):
-        blender.install()
+        blender.install(version="5.0")
     assert list((tmp_path / "home").iterdir()) == []
