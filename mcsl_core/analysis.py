@@ -19,10 +19,11 @@ from . import __version__, edl
 from .anchoring import anchor
 from .centering import FieldPlace, field_middle
 from .cutting import moved_to, refine_cuts
-from .decisions import carry_over
+from .decisions import carry_over, placed
 from .errors import InputError, UsageError
 from .evidence import SolvedPose, SolveSettings
 from .footage import Footage
+from .gaze import Gaze, read_gaze, resting_places
 from .guards import Watch
 from .media import fingerprint
 from .plugins import Offer, Plugins
@@ -43,8 +44,9 @@ from .video import probe
 @frozen
 class AnalysisSettings:
     """What the caller may choose. reference: a camera name (the first without). rate: programme frames per second
-    (the reference's without). stages: stage -> name of the plugin. sample_s: seconds between looks. cache: keep results
-    of stages in a folder beside the EDL, and use those that are there."""
+    (the reference's without). stages: stage -> name of the plugin. sample_s: seconds between looks. gaze: files of
+    where viewers looked (see `gaze`), which is centred in place of the field. cache: keep results of stages in a folder
+    beside the EDL, and use those that are there."""
 
     reference: str | None = None
     rate: Fraction | None = None
@@ -52,6 +54,7 @@ class AnalysisSettings:
     stages: Mapping[str, str] = field(factory=dict)
     sample_s: float = 1.0
     solve: SolveSettings = field(factory=SolveSettings)
+    gaze: tuple[Path, ...] = ()
     cache: bool = True
 
 
@@ -89,15 +92,13 @@ def analyse(
     rate = settings.rate or reference.rate
     frames = programme_length(reference, out.parent, rate)
     footage = Footage(cameras, rate=rate, frames=frames, base=out.parent)
+    looks = read_gaze(settings.gaze, rate=float(rate), cameras=[c.name for c in cameras])
     watch = Watch(float(frames / rate), progress.note)
     chosen = {stage: attrs.evolve(offer, watch=watch) for stage, offer in chosen.items()}
     detection, solved, table, shots = _looked_into(
         footage, reference.name, key_of(key, rate, frames, settings.sample_s), cache, chosen, settings, progress
     )
     movements = detection.movements
-    keys = chosen["centerer"].checked.centre(
-        [_field_place(s, reference.size) for s in solved], size=reference.size, rate=float(rate)
-    )
     scores_path = out.with_name(f"{out.stem}.scores.npz")
     made = edl.Edl(
         rate=rate,
@@ -108,7 +109,6 @@ def analyse(
         movements=movements,
         poses=tuple(s.pose for s in solved),
         shots=shots,
-        centering=keys,
         scores=scores_path.name,
         made_by=edl.MadeBy(
             __version__, _settings_json(settings), {stage: str(offer) for stage, offer in chosen.items()}
@@ -116,6 +116,9 @@ def analyse(
     )
     if before is not None:
         made = carry_over(before, made)
+    places = _gaze_places(looks, made) if settings.gaze else [_field_place(s, made.size) for s in solved]
+    keys = chosen["centerer"].checked.centre(places, size=made.size, rate=float(rate))
+    made = attrs.evolve(made, centering=tuple(keys))
     table.save(scores_path)
     edl.save(made, out)
     return made
@@ -284,6 +287,15 @@ def _solve(
 def _field_place(solved: SolvedPose, size: tuple[int, int]) -> FieldPlace:
     to_programme = np.array(solved.pose.anchor) @ scaling(solved.scene.size, size)
     return FieldPlace(solved.pose.range, field_middle(solved.scene.field, to_programme))
+
+
+def _gaze_places(looks: Sequence[Gaze], made: edl.Edl) -> list[FieldPlace]:
+    def place(frame: int, camera: str) -> np.ndarray | None:
+        matrix = placed(made, made.pose_at(frame), camera)
+        return None if matrix is None else np.array(matrix)
+
+    found = resting_places(looks, place, frames=made.frames, size=made.size, rate=float(made.rate))
+    return [FieldPlace(piece, middle) for piece, middle in found]
 
 
 def _settings_json(settings: AnalysisSettings) -> dict[str, object]:

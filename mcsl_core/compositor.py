@@ -32,7 +32,7 @@ VERSION = 3  # rises when the same EDL and media come out differently: conformed
 _CHROMA = np.array([[2.0, 0, 0], [0, 2.0, 0.5], [0, 0, 1]])
 _FROM_CHROMA = np.linalg.inv(_CHROMA)
 BLOCK_S = 10  # conformed chunks, and what a filler that remembers begins anew, lie on one grid
-_GRID = 4.0  # footprints are worked out anew when the centering has moved by this many pixels
+_GRID = 4.0  # while the centering moves, footprints are worked out anew every so many pixels
 _KEPT_BYTES = 48_000_000  # of warped looks at other moments, which come again frame after frame
 
 Matrix = NDArray[np.float64]
@@ -200,6 +200,7 @@ class _View:
     number: int
     offset: tuple[float, float]
     colour: bool
+    steady: bool  # the centering stands still
     previous: Planes | None = field(default=None)
 
     @property
@@ -224,16 +225,21 @@ class _View:
 
     @property
     def geometry(self) -> Hashable:
-        return self.number, self.camera, *(round(v / _GRID) for v in self.offset)
+        return self.number, self.camera, self.steady, *self._about()
+
+    def _about(self) -> tuple[float, float]:
+        if self.steady:
+            return self.offset
+        dx, dy = (round(v / _GRID) * _GRID for v in self.offset)
+        return dx, dy
 
     def footprint(self, camera: str, frame: int | None = None) -> U8:
         edl = self.compositor.edl
         number = self.number if frame is None else self.compositor.pose_number(frame)
         if not self.compositor.knows(number, camera):
             return np.zeros((edl.size[1] // 2, edl.size[0] // 2), np.uint8)
-        dx, dy = (round(v / _GRID) * _GRID for v in self.offset)
-        mask = footprint(edl.camera(camera).size, self.compositor.matrix(number, camera, (dx, dy)), edl.size)
-        if (dx, dy) != self.offset:  # shared by offsets up to half the grid away: seen by all of them
+        mask = footprint(edl.camera(camera).size, self.compositor.matrix(number, camera, self._about()), edl.size)
+        if not self.steady:  # shared by offsets up to half the grid away: seen by all of them
             mask = cv2.erode(mask, np.ones((3, 3), np.uint8), borderType=cv2.BORDER_REPLICATE)
         return mask  # pyright: ignore[reportReturnType]
 
@@ -397,7 +403,8 @@ class Compositor:
         if match is not None:
             planes = apply(planes, match)
         front = self.warped(planes, number, camera, offset, Rect(0, 0, *edl.size))
-        view = _View(self, frame, camera, front, number, offset, decision.colour, previous)
+        steady = all(shift_at(edl, decision, near) == offset for near in (frame - 1, frame + 1))
+        view = _View(self, frame, camera, front, number, offset, decision.colour, steady, previous)
         if decision.fill and self.knows(number, camera):
             return self.filler.fill(view)
         return self.filler.bare(view) if isinstance(self.filler, ShowOrigin) else front

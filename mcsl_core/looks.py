@@ -38,7 +38,7 @@ def changed(
         edl = attrs.evolve(edl, look=attrs.evolve(edl.look, **aids))
     if piece is None and offset is None:
         return edl
-    override = Override(piece or FrameRange(0, edl.frames), offset=offset, **(aids if piece else {}))
+    override = attrs.evolve(Override(piece or FrameRange(0, edl.frames), offset=offset), **(aids if piece else {}))
     return attrs.evolve(edl, overrides=(*edl.overrides, override))
 
 

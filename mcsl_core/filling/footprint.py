@@ -19,7 +19,7 @@ from .view import Rect, View
 
 _SLIVER = 1 / 200  # least share of the frame for which one more camera is decoded all along: 100 x 100 pixels at 1080p
 _SPECK = 1 / 20_000  # least share for which moments are looked at: 100 pixels at 1080p
-_EDGE_PX = 3.0  # the fade into black where nobody sees on: no staircase
+_EDGE_PX = 1.0  # where nobody sees on, the edge is smooth but not soft: every pixel seen is shown
 _MOMENT_S = 10.0  # a new look every so many seconds: 150 ms of CPU at 1080p, where decoding on would take two seconds
 _LOOKS = 5  # of which the median is taken, so that a hand or a head in one or two of them is not kept
 _FADE_S = 1.0  # from one median to the next
@@ -73,7 +73,7 @@ class FootprintFiller:
     """
 
     name = "footprint"
-    version = 2
+    version = 3
     remembers = False
 
     def __init__(self, feather_px: float = 24.0) -> None:

@@ -105,8 +105,8 @@ def test_others_stand_behind_in_order_softly_and_the_rest_is_black():
     assert (row[302:] == 16).all()
     assert (np.diff(row[96:122]) >= 0).all()  # a soft edge, no dark seam
     assert np.abs(np.diff(row[96:122])).max() < 20
-    assert (np.diff(row[290:304]) <= 0).all()  # and a fade into what nobody sees, no staircase
-    assert np.abs(np.diff(row[290:304])).max() < 25
+    assert (np.diff(row[290:304]) <= 0).all()  # and into what nobody sees, smoothly
+    assert (row[:296] > 55).all()
     assert (filled.u == 128).all()
 
 

@@ -32,6 +32,7 @@ FLOORS: dict[int, set[str]] = {
         "consensus",
         "selection",
         "centering",
+        "gaze",
         "filling",
         "colour",
     },

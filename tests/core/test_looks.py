@@ -3,7 +3,7 @@
 import attrs
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mcsl_core import edl as edls
@@ -21,6 +21,7 @@ from tests.strategies import edls as any_edl
 aids = st.fixed_dictionaries({}, optional={name: st.booleans() for name in looks.AIDS})
 
 
+@settings(max_examples=25)
 @given(any_edl(), aids)
 def test_the_whole_is_switched_and_stretches_stay(edl, given):
     made = looks.changed(edl, **given)
@@ -29,6 +30,7 @@ def test_the_whole_is_switched_and_stretches_stay(edl, given):
     assert all(getattr(made.look, name) == given.get(name, getattr(edl.look, name)) for name in looks.AIDS)
 
 
+@settings(max_examples=25)
 @given(any_edl(), aids, st.data())
 def test_a_stretch_is_switched_and_nothing_else(edl, given, data):
     start = data.draw(st.integers(0, edl.frames - 1))
