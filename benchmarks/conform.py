@@ -133,7 +133,7 @@ def run(kind: str, clip: Path, seconds: float) -> dict[str, float]:
     return figures
 
 
-def markdown(rounds: list[dict[str, dict[str, float]]], memory: dict[float, float]) -> str:
+def markdown(rounds: list[dict[str, dict[str, float]]], memory: dict[float, float], load: float) -> str:
     rows = []
     for kind in rounds[0]:
         of_kind = [r[kind] for r in rounds]
@@ -151,7 +151,8 @@ def markdown(rounds: list[dict[str, dict[str, float]]], memory: dict[float, floa
             f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}. {CLIP_S:g} s of "
             f"{SIZE[0]}x{SIZE[1]} at {RATE} frames a second; medians of {len(rounds)} rounds. Encoder of both: "
             f"{STANDARD.encoding.codec} {options}, a keyframe every {STANDARD.group} frames. A rate is the "
-            "yardstick's time through the run's, in the same round, with the least and the most.",
+            "yardstick's time through the run's, in the same round, with the least and the most. When it began, "
+            f"{load:.1f} other processes wanted the cores: above 0.5 only CPU times say something.",
             "",
             "| | wall ms a frame | CPU ms | Mbit/s | most MiB | rate by wall time | rate by CPU time | reach |",
             "|---|---|---|---|---|---|---|---|",
@@ -167,14 +168,14 @@ def markdown(rounds: list[dict[str, dict[str, float]]], memory: dict[float, floa
 def main() -> None:
     folder, count = Path(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 5
     clip, small = source(folder, SIZE), source(folder, SMALL)
-    kinds = [YARDSTICK, *LOOKS]
+    load, kinds = os.getloadavg()[0], [YARDSTICK, *LOOKS]
     rounds = []
     for number in range(count):
         order = kinds if number % 2 == 0 else kinds[::-1]
         made = {kind: run(kind, clip, CLIP_S) for kind in order}
         rounds.append({kind: made[kind] for kind in kinds})
     memory = {60.0 * minutes: run(ALL, small, 60.0 * minutes)["mib"] for minutes in MINUTES}
-    text = markdown(rounds, memory)
+    text = markdown(rounds, memory, load)
     (RESULTS / "conform.md").write_text(text, "utf-8")
     print(text)
 
