@@ -1,0 +1,260 @@
+"""Frames to mark: which are worth it, written as PNG with what the classifier must know about them; masks read back.
+
+A folder of frames holds, for every frame NAME: NAME.png, the camera's picture, to be painted on; NAME.npz, what all
+views show at that moment and usually; and NAME.mask.png once somebody has painted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from attrs import frozen
+from numpy.typing import NDArray
+
+from mcsl_core import edl
+from mcsl_core.consensus import Cut
+from mcsl_core.documents import write_atomic
+from mcsl_core.errors import InputError
+from mcsl_core.footage import Footage
+from mcsl_core.progress import Progress
+from mcsl_core.scene import Picture, Scene, View, at_columns
+from mcsl_core.timing import FrameRange
+
+from .features import Seen, backgrounds, seen_of, to_cut, whole
+from .model import CLASSES
+
+# BGR. Pure, so that no pixel of a recording is taken for paint.
+PAINT: Mapping[str, tuple[int, int, int]] = {
+    "field": (0, 255, 0),
+    "in the way": (0, 0, 255),
+    "elsewhere": (255, 0, 0),
+}
+TOLERANCE = 40  # levels: what an editor's colour profile may do to a pure colour
+HEIGHT, COLUMNS = 360, 480  # of the pictures and of the scene that detectors see
+STRETCH_S = 180.0  # a window in which a view's usual look is taken from
+MOMENTS = 40  # looks in a window
+FRAMES_A_WINDOW = 4
+COVERED = (0.9, 0.5, 0.75, 0.25)  # frames of a camera are taken where it is covered so much, by rank
+
+
+@frozen(eq=False)
+class Marked:
+    """A frame that was painted. moment: a name that frames of one moment share.
+
+    labels: (h, w) in cut pixels, the index into `CLASSES`, -1 where nothing was painted. seen, behind: all views, at
+    that moment and with nothing before them.
+    """
+
+    name: str
+    moment: str
+    camera: str
+    labels: NDArray[np.int8]
+    seen: Mapping[str, Seen]
+    behind: Mapping[str, Seen]
+
+
+# ----------------------------------------------------------------------------------------------------- exporting
+
+
+def export(document: edl.Edl, base: Path, out: Path, *, frames: int, progress: Progress) -> list[Path]:
+    """Writes about ``frames`` pictures of an analysed recording into ``out``, spread over cameras and poses.
+
+    base: the folder that the EDL's media paths are relative to. Returns the pictures written.
+    """
+    windows = _windows(document)
+    if not windows:
+        raise InputError(
+            "has no pose in which two cameras are tied together", where=str(base), remedy="Analyse it again"
+        )
+    wanted = min(len(windows), -(-frames // FRAMES_A_WINDOW))
+    picked = [windows[i] for i in np.unique(np.linspace(0, len(windows) - 1, wanted).round().astype(int))]
+    footage = Footage(document.cameras, rate=document.rate, frames=document.frames, base=base)
+    progress.stage("Looking for frames to mark", len(picked), "stretches")
+    written: list[Path] = []
+    for number, (pose, window) in enumerate(picked):
+        at = np.unique(np.linspace(window.start, window.stop - 1, min(MOMENTS, len(window))).astype(int)).tolist()
+        scene = _scene(document, pose)
+        pictures = {c: dict(footage.pictures(c, at, height=HEIGHT)) for c in scene.homographies}
+        moments = [scene.views({c: pictures[c][frame] for c in pictures}) for frame in at]
+        left = len(picked) - number
+        count = -(-(frames - len(written)) // left)
+        written += write_frames(out, scene, moments, at, count=count, first_camera=len(written))
+        progress.advance(number + 1)
+    return written
+
+
+def write_frames(
+    out: Path,
+    scene: Scene,
+    moments: Sequence[Sequence[View]],
+    frames: Sequence[int],
+    *,
+    count: int,
+    first_camera: int = 0,
+) -> list[Path]:
+    """Writes ``count`` frames of a stretch: camera after camera, each at moments that cover it more or less.
+
+    frames: the programme frame of each moment. first_camera: with whose turn to begin.
+    """
+    behind, cut = backgrounds(scene, moments), whole(scene)
+    cameras = sorted({view.camera for views in moments for view in views})
+    covered = {c: _covered(c, moments, behind, cut) for c in cameras}
+    taken: set[tuple[str, int]] = set()
+    written = []
+    for turn in range(first_camera, first_camera + count):
+        camera = cameras[turn % len(cameras)]
+        ranked = [i for i in np.argsort(covered[camera]) if not np.isnan(covered[camera][i])]
+        ranked = [i for i in ranked if (camera, i) not in taken]
+        if not ranked:
+            continue
+        position = int(ranked[round(COVERED[turn % len(COVERED)] * (len(ranked) - 1))])
+        taken.add((camera, position))
+        view = next(v for v in moments[position] if v.camera == camera)
+        name = f"{frames[position]:07d}_{camera}"
+        context: dict[str, NDArray] = {
+            "camera": np.array(camera),
+            "moment": np.array(f"{frames[position]}"),
+            "to_cut": to_cut(scene, camera, (view.picture.shape[1], view.picture.shape[0])),
+        }
+        for other, seen in seen_of(moments[position], cut).items():
+            context |= {f"seen.{other}": seen.picture, f"inside.{other}": seen.inside}
+        context |= {f"behind.{other}": still.picture for other, still in behind.items()}
+        save_arrays(out / f"{name}.npz", context)
+        save_png(out / f"{name}.png", view.picture)
+        written.append(out / f"{name}.png")
+    return written
+
+
+def _covered(camera: str, moments: Sequence[Sequence[View]], behind: Mapping[str, Seen], cut: Cut) -> NDArray:
+    """(moments,) how far the camera's picture is from its usual look, NaN without picture."""
+    found = np.full(len(moments), np.nan)
+    for i, views in enumerate(moments):
+        for view in views:
+            if view.camera == camera:
+                off = cv2.absdiff(cut.picture(view.aligned), behind[camera].picture).max(axis=2)
+                found[i] = np.mean(off[cut.mask(view.inside)] > 30) if view.inside.any() else 0
+    return found
+
+
+def _windows(document: edl.Edl) -> list[tuple[edl.Pose, FrameRange]]:
+    """Stretches in which the lamp stands, of `STRETCH_S` at most, with their pose."""
+    longest = max(1, round(STRETCH_S * float(document.rate)))
+    windows = []
+    for pose in document.poses:
+        start, stop = pose.range.start, pose.range.stop
+        for movement in document.movements:  # a pose begins and ends within movements
+            if movement.range.start <= start < movement.range.stop:
+                start = movement.range.stop
+            if movement.range.start < stop <= movement.range.stop:
+                stop = movement.range.start
+        if stop - start < 1 or len(set(pose.homographies) - set(pose.weak_cameras)) < 2:
+            continue
+        edges = np.linspace(start, stop, max(1, round((stop - start) / longest)) + 1).round().astype(int)
+        windows += [(pose, FrameRange(int(a), int(b))) for a, b in zip(edges, edges[1:], strict=False)]
+    return windows
+
+
+def _scene(document: edl.Edl, pose: edl.Pose) -> Scene:
+    sizes = {c.name: c.size for c in document.cameras}
+    size = at_columns(sizes[document.reference], COLUMNS)
+    tied = {c: np.array(h) for c, h in pose.homographies.items() if c not in pose.weak_cameras}
+    return Scene(size, document.reference, tied, sizes, np.ones((size[1], size[0]), bool))
+
+
+def save_arrays(path: Path, arrays: Mapping[str, NDArray]) -> None:
+    import io
+
+    stream = io.BytesIO()
+    np.savez_compressed(stream, **arrays)  # pyright: ignore[reportArgumentType]
+    write_atomic(path, stream.getvalue())
+
+
+def save_png(path: Path, picture: Picture) -> None:
+    """cv2.imwrite fails silently on some paths."""
+    write_atomic(path, cv2.imencode(".png", picture)[1].tobytes())
+
+
+# ------------------------------------------------------------------------------------------------------- reading
+
+
+def read_marked(folder: Path) -> list[Marked]:
+    """Every painted frame of a folder, in order of name; InputError names a mask that does not fit."""
+    if not folder.is_dir():
+        raise InputError("is no folder", where=str(folder), remedy="Make it with `mcsl-label export`")
+    marked = []
+    for painted in sorted(folder.glob("*.mask.png")):
+        name = painted.name.removesuffix(".mask.png")
+        picture, context = folder / f"{name}.png", folder / f"{name}.npz"
+        for needed in (picture, context):
+            if not needed.is_file():
+                raise InputError(
+                    "is not there", where=str(needed), remedy=f"It was exported together with {painted.name}"
+                )
+        marked.append(_marked(painted, picture, context, name))
+    return marked
+
+
+def _marked(painted: Path, picture: Path, context: Path, name: str) -> Marked:
+    mask, shown = (read_png(path) for path in (painted, picture))
+    if mask.shape[:2] != shown.shape[:2]:
+        sizes = [f"{image.shape[1]}x{image.shape[0]}" for image in (mask, shown)]
+        raise InputError(f"is {sizes[0]}, but {picture.name} is {sizes[1]}", where=str(painted), remedy="Keep its size")
+    labels = labels_of(mask)
+    if (labels < 0).all():
+        raise InputError(
+            "nothing in it has one of the three colours",
+            where=str(painted),
+            remedy="Paint with pure green, red and blue; see the README of mcsl-learned-occlusion",
+        )
+    try:
+        with np.load(context, allow_pickle=False) as stored:
+            arrays = dict(stored)
+        parts: dict[str, dict[str, Any]] = {"seen": {}, "inside": {}, "behind": {}}
+        for key, value in arrays.items():
+            kind, _, camera = key.partition(".")
+            if kind in parts and camera:
+                parts[kind][camera] = value
+        seen = {camera: Seen(value, parts["inside"][camera]) for camera, value in parts["seen"].items()}
+        camera = str(arrays["camera"])
+        height, width = seen[camera].inside.shape
+        laid = cv2.warpPerspective(
+            (labels + 1).astype(np.uint8), arrays["to_cut"], (width, height), flags=cv2.INTER_NEAREST
+        )
+        behind = {c: Seen(value, seen[c].inside) for c, value in parts["behind"].items() if c in seen}
+        moment = f"{painted.parent.resolve()}:{arrays['moment']}"
+    except (OSError, KeyError, ValueError, cv2.error) as error:
+        raise InputError(
+            f"cannot be used ({type(error).__name__}: {error})", where=str(context), remedy="Export the frames again"
+        ) from error
+    return Marked(name, moment, camera, laid.astype(np.int8) - 1, seen, behind)
+
+
+def labels_of(mask: NDArray[np.uint8]) -> NDArray[np.int8]:
+    """(h, w) of a painted BGR or BGRA picture: the index into `CLASSES`, -1 where no paint is."""
+    labels = np.full(mask.shape[:2], -1, np.int8)
+    for index, name in enumerate(CLASSES):
+        off = np.abs(mask[..., :3].astype(np.int16) - PAINT[name]).max(axis=2)
+        labels[off <= TOLERANCE] = index
+    if mask.shape[2] == 4:
+        labels[mask[..., 3] < 128] = -1
+    return labels
+
+
+def read_png(path: Path) -> NDArray[np.uint8]:
+    """(h, w, 3 or 4) BGR or BGRA; InputError names what is no such picture. (cv2.imread gives None for some paths.)"""
+    image = cv2.imdecode(np.frombuffer(path.read_bytes(), np.uint8), cv2.IMREAD_UNCHANGED)
+    if image is None or image.dtype != np.uint8 or image.ndim != 3:
+        raise InputError(
+            "is no colour picture of 8 bits a channel", where=str(path), remedy="Save it as PNG, RGB or RGBA, 8 bits"
+        )
+    return image  # pyright: ignore[reportReturnType]
+
+
+def painting(labels: NDArray[np.int8]) -> Picture:
+    """(h, w, 3) BGR of labels: what somebody would have painted, on black."""
+    colours = np.array([*(PAINT[name] for name in CLASSES), (0, 0, 0)], np.uint8)
+    return colours[labels]
