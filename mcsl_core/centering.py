@@ -12,12 +12,10 @@ import numpy as np
 from attrs import field, frozen
 from numpy.typing import NDArray
 
+from .decisions import ACCELERATION, EASE_S
 from .edl import CenteringKey
 from .timing import FrameRange
 
-# No more than this may the speed of the picture change from one frame to the next, as a share of its width: 0.77 pixels
-# a frame at 1920. A shift of a tenth of the width then takes five seconds at 25 frames/s.
-ACCELERATION = 4e-4
 _PIECES = 8  # straight pieces of one move: half of them speed up by equal steps, half slow down
 _DIGITS, _SLACK_PX = 3, 0.04  # of the keys; what rounding them may add to a change of speed, as so much more way
 
@@ -53,7 +51,7 @@ class FieldCenterer:
 
     near: float = field(default=0.05)
     most: float = field(default=0.25)
-    ease_s: float = field(default=2.0)
+    ease_s: float = field(default=EASE_S)
     name = "field"
 
     def centre(self, places: Sequence[FieldPlace], *, size: tuple[int, int], rate: float) -> tuple[CenteringKey, ...]:

@@ -141,7 +141,7 @@ def _contents(edl: Edl, base: Path, filler: Filler | None) -> Iterator[tuple[Fra
 
 
 def _follows_keys(decision: Decision) -> bool:
-    return decision.centering and decision.offset is None
+    return decision.centering and (decision.offset is None or any(ease.other is None for ease in decision.eases))
 
 
 class _Facts:
@@ -166,6 +166,7 @@ class _Facts:
         return _digest(
             {
                 "decision": [decision.camera, shift, decision.fill, decision.colour],
+                "eases": [[e.range.start, e.range.stop, e.rises, e.other] for e in decision.eases],
                 "sources": [self._source(name) for name in names],
                 "placed": {name: placed(edl, pose, name) for name in names},
                 "colour": {n: pose.colour[n].matrix for n in names if n in pose.colour} if decision.colour else None,

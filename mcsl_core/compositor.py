@@ -225,7 +225,7 @@ class _View:
 
     @property
     def geometry(self) -> Hashable:
-        return self.number, self.camera, self.steady, *self._about()
+        return self.compositor.geometry, self.number, self.camera, self.steady, *self._about()
 
     def _about(self) -> tuple[float, float]:
         if self.steady:
@@ -310,6 +310,12 @@ class Compositor:
         self._stretches = tuple((part, _looked(decision, look), number) for part, decision, number in stretches(edl))
         self._matrices: dict[tuple[int, str], tuple[Matrix, bool]] = {}
         self.still = tuple(still_range(edl, pose) for pose in edl.poses)
+        names = [camera.name for camera in edl.cameras]
+        places = tuple(
+            (self.still[i], *(placed(edl, pose, name) for name in names)) for i, pose in enumerate(edl.poses)
+        )
+        sizes = tuple(camera.size for camera in edl.cameras)
+        self.geometry = hash((edl.size, edl.rate, edl.reference, tuple(names), sizes, places))
         self.patches = _Patches()
         self._others: dict[tuple[int, str], tuple[str, ...]] = {}
         self._stack = ExitStack()

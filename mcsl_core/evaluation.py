@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from .compositor import Compositor, programme_matrix
 from .coverage import Coverage, has_picture
-from .decisions import Decision, offset_at, placed, resolve
+from .decisions import Decision, offset_at, placed, resolve, shift_at
 from .edl import IDENTITY, Edl, Look
 from .edl import load as load_edl
 from .errors import UsageError
@@ -302,7 +302,7 @@ class _Eye:
         shown = followed.now.camera
         decision = self._look or self._decisions[frame]
         pose = self._edl.pose_at(frame)
-        offset = offset_at(self._edl.centering, frame) if decision.centering else (0.0, 0.0)
+        offset = shift_at(self._edl, decision, frame)
         now = (
             grey(next(self._frames)),
             self._cover(frame, (pose.range, shown, offset, decision.fill)),

@@ -11,7 +11,7 @@ from mcsl_core.colour import as_matrix
 from mcsl_core.compositor import Compositor, programme_matrix, warp_planes
 from mcsl_core.decisions import fitted
 from mcsl_core.edl import Camera, Edl, Look, Media, Override, Pose, Shot, Weak
-from mcsl_core.filling import Rect, ReferenceFiller
+from mcsl_core.filling import FootprintFiller, Rect, ReferenceFiller
 from mcsl_core.footage import Footage
 from mcsl_core.images import Planes, bgr_to_planes, psnr
 from mcsl_core.timing import FrameRange
@@ -271,3 +271,44 @@ def test_the_papers_filler_keeps_the_past_where_nobody_sees(tmp_path):
     assert bare[3].y[20:-20, 2:20].max() == 16
     again = compose(edl, tmp_path, FrameRange(4, 6), filler=ReferenceFiller())
     assert psnr(again[0].y, got[4].y) > 45  # a stretch made alone looks the same
+
+
+def test_one_filler_serves_programmes_of_different_geometry(tmp_path):
+    """What it keeps goes by geometry, and equal numbers of pose and camera do not make that equal."""
+    shots, look = (Shot(FrameRange(0, 6), "b"),), Look(centering=False, fill=True, colour=False)
+    edl = make(tmp_path, shots=shots, look=look)
+    away = ((1, 0, 60.0), (0, 1, 0), (0, 0, 1))
+    other = attrs.evolve(
+        edl, poses=(attrs.evolve(edl.poses[0], homographies={**edl.poses[0].homographies, "b": away}),)
+    )
+    filler = FootprintFiller()
+    compose(edl, tmp_path, filler=filler)
+    assert_same(compose(other, tmp_path, filler=filler)[0], compose(other, tmp_path)[0])
+
+
+@pytest.mark.parametrize("filler", [FootprintFiller, ReferenceFiller])
+def test_a_stretch_made_alone_is_the_same_bit_for_bit(tmp_path, monkeypatch, filler):
+    """Frames of a run against the same frames made alone, across blocks, poses, centering and a gap."""
+    monkeypatch.setattr("mcsl_core.compositor.BLOCK_S", 1)
+    moving = [np.roll(texture(3), 5 * n, axis=1) for n in range(100)]
+    eye = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+    side, up = ((1, 0, 40.0), (0, 1, 9.0), (0, 0, 1)), ((1, 0, 0), (0, 1, -30.0), (0, 0, 1))
+    edl = make(
+        tmp_path,
+        cameras={"a": [texture(0)] * 100, "b": moving, "c": moving[::-1]},
+        frames=100,
+        poses=(
+            Pose(FrameRange(0, 52), {"a": eye, "b": side, "c": up}),
+            Pose(FrameRange(52, 100), {"a": eye, "b": TILTED, "c": side}, anchor=((1, 0, 6.0), (0, 1, 0), (0, 0, 1))),
+        ),
+        shots=(Shot(FrameRange(0, 20), "b"), Shot(FrameRange(20, 70), "a"), Shot(FrameRange(70, 100), "b")),
+        look=Look(True, True, False),
+        centering=((0, 14.0, 4.0), (35, 14.0, 4.0), (65, -24.0, -8.0)),
+    )
+    edl = attrs.evolve(
+        edl, cameras=(edl.cameras[0], edl.cameras[1], attrs.evolve(edl.cameras[2], gaps=(FrameRange(30, 34),)))
+    )
+    run = compose(edl, tmp_path, filler=filler())
+    for piece in (FrameRange(31, 36), FrameRange(50, 64), FrameRange(90, 100)):
+        for frame, alone in zip(piece, compose(edl, tmp_path, piece, filler=filler()), strict=True):
+            assert_same(alone, run[frame])
