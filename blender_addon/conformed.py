@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy  # pyright: ignore[reportMissingImports]
+from attrs import frozen
 
 from mcsl_core.edl import Edl
 from mcsl_core.timing import FrameRange
@@ -22,6 +23,18 @@ from .plan import ConformedPiece
 
 BASIS = "mcsl_conformed_for"  # of the scene: what its conformed pictures were made from
 FALLEN = "mcsl_fallen"  # of a conformed strip: muted because its pictures no longer hold
+
+
+@frozen
+class Held:
+    """What `keep_true` found. outstanding: stretches without an exact picture; lost: those whose picture fell away.
+
+    changed: whether strips were muted or came back.
+    """
+
+    outstanding: tuple[FrameRange, ...]
+    lost: tuple[FrameRange, ...]
+    changed: bool
 
 
 def note_basis(scene: Any, edl: Edl) -> None:
@@ -43,33 +56,33 @@ def any_there(scene: Any) -> bool:
     return any(strip.get(strips.ROLE) == "conformed" for strip in scene.sequence_editor.strips)
 
 
-def keep_true(scene: Any, now: Edl) -> tuple[tuple[FrameRange, ...], tuple[FrameRange, ...]]:
-    """Mutes what no longer shows what ``now`` decides, unmutes what does again.
-
-    Returns the stretches of the programme without an exact picture, and those of them that lost theirs.
-    """
+def keep_true(scene: Any, now: Edl) -> Held:
+    """Mutes what no longer shows what ``now`` decides, unmutes what does again."""
     there = found(scene)
     then = outstanding.from_text(scene.get(BASIS, ""))
     gone = outstanding.changed(outstanding.basis_of(now), then) if there else ()
-    lost = []
+    lost, changed = [], False
     for strip, span in there:
         parts = outstanding.parts(span, gone)
         pieces = strips.split_at(strip, [part.range.stop for part in parts[:-1]])
         for piece, part in zip(pieces, parts, strict=True):
-            _set_holds(piece, part.holds)
+            changed |= _set_holds(piece, part.holds)
             if not part.holds:
                 lost.append(part.range)
     covered = [span for strip, span in found(scene) if not strip.mute]
-    return outstanding.outstanding(now.frames, covered), outstanding.without(lost, ())
+    return Held(outstanding.outstanding(now.frames, covered), outstanding.without(lost, ()), changed)
 
 
-def _set_holds(strip: Any, holds: bool) -> None:
-    """Touches the strip only where something changes: each touch is a change that handlers hear of."""
+def _set_holds(strip: Any, holds: bool) -> bool:
+    """Touches the strip only where something changes, which handlers hear of; whether it did."""
     if not holds and not strip.mute:
         strip.mute, strip[FALLEN] = True, 1
-    elif holds and strip.get(FALLEN):
+        return True
+    if holds and strip.get(FALLEN):
         strip.mute = False
         del strip[FALLEN]
+        return True
+    return False
 
 
 def place(scene: Any, edl: Edl, pieces: Sequence[ConformedPiece], sound: str | None, base: Path) -> Iterator[float]:

@@ -45,7 +45,10 @@ def timeline(request: Request, progress: JsonLines) -> dict[str, Any]:
 
 
 def read(request: Request, progress: JsonLines) -> dict[str, Any]:
-    """request: blend. Result: the EDL it names, and that EDL's overrides and corrections after the editor's work."""
+    """request: blend. Result: the EDL it names, and that EDL's overrides, corrections and look after the editor's work.
+
+    The .blend stays as it is, but for conformed pictures that no longer show what was decided: they fall away.
+    """
     blend = Path(request["blend"])
     scene = _open(blend)
     edl_path = scenes.edl_path(scene, blend)
@@ -59,6 +62,14 @@ def read(request: Request, progress: JsonLines) -> dict[str, Any]:
         name: value.get(name, []) for name in ("overrides", "corrections")
     }  # the document leaves out an empty one
     decided["look"] = value["look"]
+    if conformed.any_there(scene) and conformed.keep_true(scene, new).changed:
+        try:
+            _save(blend)
+            progress.note(
+                "conformed pictures that no longer show what was decided fell away: `mcsl conform` makes others"
+            )
+        except InputError as error:  # what was decided can be read all the same
+            progress.note(f"conformed pictures no longer show what was decided, and {error}")
     return {"edl": str(edl_path), **decided, "changed": new != edl}
 
 
@@ -131,6 +142,11 @@ def _finish(scene: Any, edl: edls.Edl, edl_path: Path, blend: Path, request: Req
     if request.get("preset"):
         output.apply(scene, request["preset"], "//" + request["output"], sound=strips.has_sound(scene))
     scenes.set_ids(scene, edl, edl_path, blend.parent)
+    _save(blend)
+
+
+def _save(blend: Path) -> None:
+    """The open file, whole or not at all, with relative paths."""
     part = blend.with_name(f".{blend.name}.part.blend")
     try:
         bpy.context.preferences.filepaths.save_version = 0

@@ -56,7 +56,7 @@ def look(scene: Any) -> str:
     try:
         _last.pop(scene.name, None)
         edl = _last[scene.name] = decided(scene)
-        missing, lost = conformed.keep_true(scene, edl)
+        held = conformed.keep_true(scene, edl)
         _centre(scene, edl)
         state = strips.read(scene)
         strips.label(scene, switching.overridden(edl, state.strips), switching.shown_cameras(state))
@@ -65,7 +65,7 @@ def look(scene: Any) -> str:
         return str(error)
     finally:
         _busy = was
-    seconds = [float(sum(map(len, pieces)) / edl.rate) for pieces in (missing, lost)]
+    seconds = [float(sum(map(len, pieces)) / edl.rate) for pieces in (held.outstanding, held.lost)]
     _tell(scene, edl=edl, outstanding_s=seconds[0], lost_s=seconds[1])
     return ""
 
