@@ -310,12 +310,9 @@ class Compositor:
         self._stretches = tuple((part, _looked(decision, look), number) for part, decision, number in stretches(edl))
         self._matrices: dict[tuple[int, str], tuple[Matrix, bool]] = {}
         self.still = tuple(still_range(edl, pose) for pose in edl.poses)
-        names = [camera.name for camera in edl.cameras]
-        places = tuple(
-            (self.still[i], *(placed(edl, pose, name) for name in names)) for i, pose in enumerate(edl.poses)
-        )
-        sizes = tuple(camera.size for camera in edl.cameras)
-        self.geometry = hash((edl.size, edl.rate, edl.reference, tuple(names), sizes, places))
+        sizes = tuple((camera.name, camera.size) for camera in edl.cameras)
+        places = tuple(placed(edl, pose, name) for pose in edl.poses for name, _ in sizes)
+        self.geometry = hash((edl.size, edl.rate, edl.reference, sizes, self.still, places))
         self.patches = _Patches()
         self._others: dict[tuple[int, str], tuple[str, ...]] = {}
         self._stack = ExitStack()
@@ -328,8 +325,9 @@ class Compositor:
         self.close()
 
     def close(self) -> None:
-        """Closes the decoders; frames handed out stay valid."""
+        """Closes the decoders and forgets what was looked at; frames handed out stay valid."""
         self._players.clear()
+        self.patches = _Patches()
         self._stack.close()
 
     def picture(self, camera: str, frame: int) -> Planes | None:

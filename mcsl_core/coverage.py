@@ -53,6 +53,9 @@ class _PlainFootage(Footage):
     def player(self, camera: str) -> _PlainPlayer:  # pyright: ignore[reportIncompatibleMethodOverride]
         return _PlainPlayer(self, camera)
 
+    def moment(self, camera: str, frame: int) -> Planes | None:
+        return self.player(camera).at(frame)
+
 
 def has_picture(footage: Footage, camera: str, frame: int) -> bool:
     """Whether the camera has a picture at a programme frame, as far as can be told without decoding."""

@@ -300,7 +300,9 @@ class _Eye:
     def step(self, frame: int, followed: _Followed) -> Pair | None:
         """The figures of the frame before and this one; None at a run's first."""
         shown = followed.now.camera
-        decision = self._look or self._decisions[frame]
+        decision = self._decisions[frame]
+        if self._look is not None:
+            decision = attrs.evolve(decision, **attrs.asdict(self._look))
         pose = self._edl.pose_at(frame)
         offset = shift_at(self._edl, decision, frame)
         now = (
