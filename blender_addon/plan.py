@@ -20,10 +20,10 @@ from itertools import pairwise
 from math import ceil
 
 import attrs
-from attrs import frozen
+from attrs import field, frozen
 
 from mcsl_core import decisions
-from mcsl_core.decisions import correction_of, multiply, offset_at, placed, resolve
+from mcsl_core.decisions import Decision, correction_of, multiply, offset_at, placed, resolve, shift_at
 from mcsl_core.edl import Camera, Edl, Matrix, Pose
 from mcsl_core.timing import FrameRange, merge_equal
 
@@ -304,32 +304,38 @@ def _offset_keys(edl: Edl) -> tuple[OffsetKey, ...]:
         return ()
     states = merge_equal(
         [
-            (piece, (decision.centering and placed(edl, pose, decision.camera) is not None, decision.offset))
+            (piece, _Centring(decision.centering and placed(edl, pose, decision.camera) is not None, decision))
             for stretch, decision in resolve(edl)
             for pose in edl.poses
             if (piece := stretch.intersection(pose.range))
         ]
     )
-
-    def key(frame: int, hold: bool = False) -> OffsetKey:
-        dx, dy = offset_at(edl.centering, frame)
-        return OffsetKey(frame, dx, 0.0 - dy, hold)
-
-    if len(states) == 1 and states[0][1] == (True, None):
-        return tuple(key(frame) for frame, _, _ in edl.centering)
+    if len(states) == 1 and states[0][1].on and states[0][1].decision.offset is None:
+        return tuple(OffsetKey(frame, dx, 0.0 - dy) for frame, dx, dy in edl.centering)
     frames = [frame for frame, _, _ in edl.centering]
     keys: list[OffsetKey] = []
-    for stretch, (on, by_hand) in states:
-        if not on or by_hand is not None:
-            dx, dy = by_hand if on and by_hand is not None else (0.0, 0.0)
-            keys.append(OffsetKey(stretch.start, dx, 0.0 - dy, hold=True))
+    for stretch, state in states:
+        last = stretch.stop - 1
+        if not state.on:
+            keys.append(OffsetKey(stretch.start, 0.0, 0.0, hold=True))
             continue
-        inner = frames[bisect_right(frames, stretch.start) : bisect_left(frames, stretch.stop - 1)]
-        keys.extend(key(frame) for frame in [stretch.start, *inner])
-        if len(stretch) > 1:
-            keys.append(key(stretch.stop - 1))
-        keys[-1] = key(keys[-1].frame, hold=True)
+        if state.decision.offset is None:
+            needed = {last, *frames[bisect_right(frames, stretch.start) : bisect_left(frames, last)]}
+        else:  # a smooth step is not linear: a key for each of its frames, and one on either side
+            eased = [e.range.intersection(FrameRange(stretch.start, stretch.stop)) for e in state.decision.eases]
+            needed = {n for e in eased if e for n in range(e.start - 1, e.stop + 1) if n in stretch}
+        shifts = [(n, shift_at(edl, state.decision, n)) for n in sorted({stretch.start, *needed})]
+        keys.extend(OffsetKey(n, dx, 0.0 - dy) for n, (dx, dy) in shifts)
+        keys[-1] = attrs.evolve(keys[-1], hold=True)
     return tuple(keys)
+
+
+@frozen
+class _Centring:
+    """What the centering of a stretch depends on; equal where it goes on without a break."""
+
+    on: bool
+    decision: Decision = field(eq=lambda d: (d.offset, d.eases))
 
 
 def _markers(edl: Edl) -> tuple[MarkerPlan, ...]:

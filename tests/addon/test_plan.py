@@ -20,8 +20,8 @@ from blender_addon.plan import (
     make_plan,
 )
 from blender_addon.similarity import Transform, closest, fitted, invert, project
-from mcsl_core.decisions import multiply, resolve
-from mcsl_core.edl import IDENTITY, Camera, Clock, Media, Movement, Override, Pose, Shot, Weak
+from mcsl_core.decisions import multiply, resolve, shift_at
+from mcsl_core.edl import IDENTITY, Camera, Clock, Look, Media, Movement, Override, Pose, Shot, Weak
 from mcsl_core.timing import FrameRange, check_tiles
 
 R = FrameRange
@@ -207,3 +207,31 @@ def test_invert_is_the_inverse(values):
     for i in range(3):
         for j in range(3):
             assert product[i][j] == pytest.approx(float(i == j), abs=1e-9)
+
+
+@given(
+    st.lists(
+        st.tuples(st.integers(0, 299), st.floats(-40, 40), st.floats(-40, 40)), max_size=4, unique_by=lambda k: k[0]
+    ),
+    st.integers(0, 250),
+    st.integers(2, 150),
+    st.booleans(),
+    st.booleans(),
+)
+def test_the_keys_are_the_shift_of_the_exact_pictures_frame_by_frame(keys, start, length, by_hand, automatic):
+    """Between the keys as Blender has it: held, or linear; a centre by hand eases in where there is no cut."""
+    said = {"offset": (30.0, -12.0)} if by_hand else {"centering": False}
+    override = Override(R(start, min(start + length, 300)), **said)
+    edl = small_edl(centering=tuple(sorted(keys)), overrides=(override,), look=Look(centering=automatic))
+    plan = make_plan(edl).centering
+    exact = [shift_at(edl, decision, frame) for piece, decision in resolve(edl) for frame in piece]
+    if not plan:
+        assert not any(x or y for x, y in exact)
+        return
+    for frame, (dx, dy) in enumerate(exact):
+        after = next((i for i, key in enumerate(plan) if key.frame > frame), len(plan))
+        before, key = plan[max(after - 1, 0)], plan[min(after, len(plan) - 1)]
+        part = 0 if before.hold or key.frame <= before.frame else (frame - before.frame) / (key.frame - before.frame)
+        part = max(part, 0)
+        x, y = before.x + part * (key.x - before.x), before.y + part * (key.y - before.y)
+        assert (x, y) == pytest.approx((dx, -dy), abs=1e-6), frame
