@@ -122,11 +122,14 @@ def _warped(plane: U8, matrix: Matrix, size: tuple[int, int], index: int, resamp
 
 
 def footprint(size: tuple[int, int], matrix: Matrix, programme: tuple[int, int]) -> U8:
-    """(height / 2, width / 2) of the ``programme``: 255 where a camera of ``size`` sees it, on the chroma grid."""
+    """(height / 2, width / 2) of the ``programme``: 255 where a camera of ``size`` sees it, on the chroma grid.
+
+    Between at its edge: a mask of ones and nothings has steps of two pixels, which show.
+    """
     inside = np.full((size[1] // 2, size[0] // 2), 255, np.uint8)
     chroma = _FROM_CHROMA @ matrix @ _CHROMA
     half = (programme[0] // 2, programme[1] // 2)
-    return cv2.warpPerspective(inside, chroma, half, flags=cv2.INTER_NEAREST)  # pyright: ignore[reportReturnType]
+    return cv2.warpPerspective(inside, chroma, half, flags=cv2.INTER_LINEAR)  # pyright: ignore[reportReturnType]
 
 
 def stretches(edl: Edl) -> tuple[tuple[FrameRange, Decision, int], ...]:

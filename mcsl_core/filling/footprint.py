@@ -19,7 +19,6 @@ from .view import Rect, View
 
 _SLIVER = 1 / 200  # least share of the frame for which one more camera is decoded all along: 100 x 100 pixels at 1080p
 _SPECK = 1 / 20_000  # least share for which moments are looked at: 100 pixels at 1080p
-_EDGE_PX = 1.0  # where nobody sees on, the edge is smooth but not soft: every pixel seen is shown
 _MOMENT_S = 10.0  # a new look every so many seconds: 150 ms of CPU at 1080p, where decoding on would take two seconds
 _LOOKS = 5  # of which the median is taken, so that a hand or a head in one or two of them is not kept
 _FADE_S = 1.0  # from one median to the next
@@ -73,7 +72,7 @@ class FootprintFiller:
     """
 
     name = "footprint"
-    version = 3
+    version = 4
     remembers = False
 
     def __init__(self, feather_px: float = 24.0) -> None:
@@ -109,10 +108,10 @@ class FootprintFiller:
     def _plan(self, view: View, absent: frozenset[_Source]) -> _Plan:
         feather = self.feather_px / 2  # the footprints are half size
         front = view.footprint(view.camera)
-        if front.all():
+        if front.min() == 255:
             return _Plan((_Source(view.camera),), ())
         sources, masks = [_Source(view.camera)], [front]
-        shares = [_weights(feathered(front, feather))]
+        shares = [_alpha(front, feather)]
         left = 1 - shares[0]
         live = False
         for candidate in _candidates(view):
@@ -124,7 +123,7 @@ class FootprintFiller:
             elif source in absent:
                 continue
             mask = view.footprint(source.camera, source.frame)
-            share = left * _weights(feathered(mask, feather))
+            share = left * _alpha(mask, feather)
             gain = float(share.mean())
             if not source.moment and source.frame is None and gain < _SLIVER:
                 source = candidate
@@ -137,7 +136,7 @@ class FootprintFiller:
             masks.append(mask)
             shares.append(share)
             left = left - share
-        edge = _weights(feathered(np.maximum.reduce(masks), _EDGE_PX))
+        edge = _weights(np.maximum.reduce(masks))  # where nobody sees on: as smooth as the footprints are
         seen = np.maximum(1 - left, 1e-4)
         shares = [np.where(left < 0.9999, share / seen, 0) * edge for share in shares]
         patches = tuple(_patches(shares))
@@ -282,6 +281,13 @@ def _runs(bits: NDArray[np.int64], least: int) -> list[tuple[int, int, int]]:
             start = begin
         runs.append((start, stop, value))
     return runs
+
+
+def _alpha(mask: U8, feather: float) -> Weight:
+    """A camera's weight against what is behind it; a trace of it to its very edge, which counts where nobody is."""
+    return np.maximum(
+        _weights(feathered(np.where(mask > 127, 255, 0).astype(np.uint8), feather)), 1e-3 * _weights(mask)
+    )
 
 
 def _weights(alpha: U8) -> Weight:
