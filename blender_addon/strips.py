@@ -165,7 +165,8 @@ def _camera(scene: Any, track: CameraTrack, base: Path) -> list[str]:
 
 def _set_transform(strip: Any, transform: Transform) -> None:
     to = strip.transform
-    to.offset_x, to.offset_y, to.scale_x, to.scale_y, to.rotation = _numbers(transform)
+    # rounded far below a pixel, so that no field shows -0
+    to.offset_x, to.offset_y, to.scale_x, to.scale_y, to.rotation = (round(n, 9) + 0.0 for n in _numbers(transform))
 
 
 def _numbers(transform: Transform) -> list[float]:

@@ -47,9 +47,13 @@ def area(kind="SEQUENCER"):
     raise LookupError(kind)
 
 
-def picture(name):
-    """What X shows. Blender's own screenshot is black outside of drawing."""
-    subprocess.run(["import", "-window", "root", str(OUT / f"{name}.png")], check=True)
+def picture(name, region=None):
+    """What X shows, or a region of it. Blender's own screenshot is black outside of drawing."""
+    part = []
+    if region is not None:
+        top = bpy.context.window_manager.windows[0].height - region.y - region.height
+        part = ["-crop", f"{region.width}x{region.height}+{region.x}+{top}", "+repage"]
+    subprocess.run(["import", "-window", "root", *part, str(OUT / f"{name}.png")], check=True)
 
 
 def hand(*words):
@@ -128,55 +132,68 @@ def again():
         [s[:2] for s in shots() if start <= s[0] < stop],
         [[start, (start + stop) // 2], [(start + stop) // 2, stop]],
     )
+    start, stop = max((s for s in shots() if not s[3]), key=lambda s: s[1] - s[0])[:2]
+    go((start + stop) // 2)  # the picture is of an automatic shot, with its exact pictures
     point(area()[2]["WINDOW"], 0.5, 0.02)
 
 
 # ------------------------------------------------------------------------------------------------------ the panel
 
 
-def wheel(clicks, button):
+def scroll(clicks):
+    """The sidebar, by the wheel."""
     point(area()[2]["UI"])
     for _ in range(clicks):
-        hand("click", button)
+        hand("click", 5)
+
+
+def sidebar(name):
+    picture(name, area()[2]["UI"])
+
+
+def join(name, *parts):
+    """Pictures side by side, and the parts away."""
+    paths = [OUT / f"{part}.png" for part in parts]
+    subprocess.run(["convert", *map(str, paths), "+append", str(OUT / f"{name}.png")], check=True)
+    for path in paths:
+        path.unlink()
 
 
 # ------------------------------------------------------------------------------------------------------- a nudge
 
 
-def choose():
-    """The strip of the camera that is shown at the playhead, alone; the exact pictures out of sight."""
+def nudge():
+    """As from the strip's transform fields: Blender lets nobody grab a strip in the preview that others cover."""
     start, stop, source, _ = max(shots(), key=lambda s: s[1] - s[0])
     frame = (start + stop) // 2
     go(frame)
-    for strip in scene().sequence_editor.strips:
+    editor = scene().sequence_editor
+    for strip in editor.strips:
         lies = int(strip.left_handle) - 1 <= frame < int(strip.right_handle) - 1
         strip.select = strip.channel == source and lies
         if strip.select:
-            scene().sequence_editor.active_strip = strip
-    scene().sequence_editor.channels["Conformed"].mute = True
-    seen["stood"] = place()
-    point(area("PREVIEW")[2]["PREVIEW"])
+            editor.active_strip = strip
+    editor.channels["Conformed"].mute = True
+    transform = editor.active_strip.transform
+    transform.offset_x, transform.offset_y = transform.offset_x + 24, transform.offset_y - 10
+    bpy.ops.ed.undo_push(message="Move strip")
 
 
-def place():
-    t = scene().sequence_editor.active_strip.transform
-    return [round(v, 3) for v in (t.offset_x, t.offset_y, t.scale_x, t.rotation)]
-
-
-def grab():
-    hand("key", "g")
-    hand("mousemove_relative", "--", 30, -12)
-    hand("click", 1)
-
-
-def grabbed():
-    seen["stands"] = place()
+def pulled():
+    editor = scene().sequence_editor
+    editor.channels["Conformed"].mute = False
+    camera, range_ = editor.active_strip["mcsl_camera"], int(editor.active_strip.left_handle)
+    window, timeline, regions = area()
+    with bpy.context.temp_override(window=window, area=timeline, region=regions["WINDOW"]):
+        check("pulled", list(bpy.ops.mcsl.pull_overrides()), ["FINISHED"])
+    seen["nudged"] = [camera, range_]
 
 
 STEPS = [
     *(arrange, tab, press, pressed, undone, again, lambda: picture("desk")),
-    *(lambda: wheel(8, 5), lambda: picture("panel"), lambda: wheel(30, 5), lambda: picture("panel-end")),
-    *(choose, grab, grabbed, lambda: picture("nudge")),
+    *(lambda: sidebar("panel-1"), lambda: scroll(8), lambda: sidebar("panel-2")),
+    *(lambda: scroll(40), lambda: sidebar("panel-3"), lambda: join("panel", "panel-1", "panel-2", "panel-3")),
+    *(nudge, lambda: picture("nudge"), pulled),
 ]
 
 
