@@ -1,4 +1,5 @@
-"""One contract per hook, run over every implementation that is installed: the built-ins and every plugin.
+"""One contract per hook, run over every implementation that is installed: the built-ins, every plugin, and those that
+docs/hooks.md shows. As the pipeline does, through the guards.
 
 What is promised in `hookspecs.py` is checked with pictures that nobody's implementation was written for.
 """
@@ -13,23 +14,36 @@ import attrs
 import cv2
 import numpy as np
 import pytest
+from hooks_page import shown_plugins
 from lamp_video import write_lamp
 
 from mcsl_core.alignment import Alignment, Correspondences, apply
 from mcsl_core.centering import FieldPlace
+from mcsl_core.compositor import Compositor
+from mcsl_core.edl import Camera, Edl, Look, Media, Pose, Shot
 from mcsl_core.footage import Footage
+from mcsl_core.images import Planes
 from mcsl_core.plugins import Offer, discover
 from mcsl_core.progress import Silent
 from mcsl_core.samples import Samples
 from mcsl_core.scene import Scene
 from mcsl_core.scores import ScoreTable
 from mcsl_core.timing import FrameRange, check_tiles
+from mcsl_core.video import Encoding, VideoWriter
 
-ALL = discover().offers
+ALL = discover(shown_plugins()).offers
 
 
 def offers(stage: str):
-    return pytest.mark.parametrize("offer", [o for o in ALL if o.stage == stage], ids=lambda o: o.name)
+    """One test for each plugin of a stage; skipped where it says that libraries it needs are not installed."""
+    return pytest.mark.parametrize(
+        "offer", [pytest.param(o, id=o.name, marks=lacking(o)) for o in ALL if o.stage == stage]
+    )
+
+
+def lacking(offer: Offer) -> list[pytest.MarkDecorator]:
+    missing = getattr(offer.implementation, "missing", list)()
+    return [pytest.mark.skip(reason=f"{offer} needs {', '.join(missing)}")] if missing else []
 
 
 def cloth(seed: int, size: tuple[int, int] = (480, 270)) -> np.ndarray:
@@ -320,3 +334,66 @@ def test_every_stage_has_its_default() -> None:
 
     for stage in STAGES:
         assert discover().choose(stage).name == STAGES[stage].default
+
+
+FILM = {"ref": (60, 0), "left": (120, -110), "right": (180, 90)}  # brightness, and columns its picture lies aside
+FILM_SIZE, FILM_RATE, FILM_FRAMES = (256, 128), 4, 60
+
+
+@pytest.fixture(scope="module")
+def filled(tmp_path_factory: pytest.TempPathFactory):
+    """Programme frames by a filler: cameras of one brightness each, which rises by 1 a second; three shots."""
+    folder = tmp_path_factory.mktemp("filled")
+    lossless = Encoding(options={"preset": "ultrafast", "qp": "0"})
+    half = (FILM_SIZE[1] // 2, FILM_SIZE[0] // 2)
+    for name, (value, _) in FILM.items():
+        with VideoWriter(folder / f"{name}.mp4", size=FILM_SIZE, rate=Fraction(FILM_RATE), encoding=lossless) as film:
+            for n in range(FILM_FRAMES):
+                luma = np.full(FILM_SIZE[::-1], value + n // FILM_RATE, np.uint8)
+                film.write(Planes(luma, *(np.full(half, 128, np.uint8) for _ in range(2))))
+    pose = Pose(FrameRange(0, FILM_FRAMES), {n: ((1, 0, x), (0, 1, 0), (0, 0, 1)) for n, (_, x) in FILM.items()})
+    edl = Edl(
+        rate=Fraction(FILM_RATE),
+        size=FILM_SIZE,
+        frames=FILM_FRAMES,
+        reference="ref",
+        cameras=tuple(Camera(n, (Media(f"{n}.mp4", FILM_FRAMES, ""),), FILM_SIZE, Fraction(FILM_RATE)) for n in FILM),
+        poses=(pose,),
+        shots=(
+            Shot(FrameRange(0, 10), "left"),
+            Shot(FrameRange(10, 45), "right"),
+            Shot(FrameRange(45, FILM_FRAMES), "ref"),
+        ),
+        look=Look(centering=False, fill=True, colour=False),
+    )
+
+    def make(offer: Offer, start: int, stop: int) -> list[Planes]:
+        footage = Footage(edl.cameras, rate=edl.rate, frames=edl.frames, base=folder)
+        with Compositor(edl, footage, filler=offer.checked) as compositor:
+            return list(compositor.frames(FrameRange(start, stop)))
+
+    return make
+
+
+@offers("filler")
+def test_fillers_fill_around_the_chosen_camera_with_what_some_camera_shows(offer: Offer, filled) -> None:
+    frames = filled(offer, 0, FILM_FRAMES)
+    for n, planes in enumerate(frames):
+        now = {name: value + n // FILM_RATE for name, (value, _) in FILM.items()}
+        # Well inside the camera's picture it is the camera's: left shows columns to 145, right from 90, ref all.
+        part, camera = ((slice(0, 100), "left"), (slice(140, 256), "right"), (slice(0, 256), "ref"))[(n > 9) + (n > 44)]
+        assert np.abs(planes.y[40:88, part].astype(int) - now[camera]).max() <= 1, f"frame {n}"
+        assert planes.y.max() <= max(now.values()) + 1, "brighter than anything that was ever shown"
+        assert planes.y.min() >= 15
+        assert (np.abs(planes.u.astype(int) - 128) <= 1).all(), "a colour that no camera has"
+    assert frames[40].y[64, 30] >= 58, "what another camera shows, or showed before, stays black"
+
+
+@offers("filler")
+@pytest.mark.parametrize("start", [7, 39, 40, 47])
+def test_a_frame_is_filled_the_same_in_whatever_stretch_it_is_made(offer: Offer, filled, start: int) -> None:
+    """Chunks of ten seconds are conformed in any order, some anew."""
+    whole = filled(offer, 0, start + 4)[start:]
+    for a, b in zip(whole, filled(offer, start, start + 4), strict=True):
+        for one, other in zip(a, b, strict=True):
+            np.testing.assert_array_equal(one, other)

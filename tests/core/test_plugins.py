@@ -72,19 +72,3 @@ def test_a_wrong_plugin_is_named_with_package_and_version(module, message: str) 
         found(module)
     assert "their-package 1.2" in str(caught.value)
     assert message in str(caught.value)
-
-
-def test_the_plugin_of_the_documentation_works_as_it_stands() -> None:
-    from fractions import Fraction
-    from pathlib import Path
-
-    import numpy as np
-
-    from mcsl_core.scores import ScoreTable
-
-    page = (Path(__file__).parents[2] / "docs" / "hooks.md").read_text("utf-8")
-    module = types.ModuleType("documented")
-    exec(page.split("```python\n", 1)[1].split("```", 1)[0], module.__dict__)
-    selector = found(module).choose("selector", "last-camera").implementation
-    table = ScoreTable(np.arange(3) * 30, ("a", "b"), np.ones((3, 2)), np.ones((3, 2), bool))
-    assert [s.camera for s in selector.select(table, frames=90, rate=Fraction(30))] == ["b"]
