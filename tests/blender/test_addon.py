@@ -15,6 +15,8 @@ from mcsl_core import edl as edls
 from mcsl_core.blender_child import search_paths
 from mcsl_core.edl import Override
 
+pytestmark = pytest.mark.both_blenders
+
 SWITCH_ON = f"""
     import warnings
     warnings.simplefilter("error")

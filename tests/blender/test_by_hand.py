@@ -7,11 +7,14 @@ import re
 from pathlib import Path
 
 import numpy as np
+import pytest
 from conftest import SIZE, in_blender
 
 from blender_addon.plan import camera_transform
 from mcsl_core import edl as edls
 from mcsl_core.manual import StripTransform, load_manual
+
+pytestmark = pytest.mark.both_blenders
 
 PAGE = Path(__file__).parents[2] / "docs" / "evaluation.md"
 

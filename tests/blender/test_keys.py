@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import pytest
 from conftest import R, in_blender
 from test_addon import SWITCH_ON
 
 from mcsl_core import edl as edls
 from mcsl_core.edl import Override
 from mcsl_core.timeline import pull
+
+pytestmark = pytest.mark.both_blenders
 
 KEPT = Override(R(45, 50), camera="cam1", note="kept")
 SHOTS = """

@@ -14,6 +14,8 @@ from mcsl_core.edl import IDENTITY, Override
 from mcsl_core.errors import BlenderError, InputError, UsageError
 from mcsl_core.timeline import build, pull
 
+pytestmark = pytest.mark.both_blenders
+
 LISTING = """
     out = {
         "channels": [c.name for c in scene.sequence_editor.channels][1:8],
