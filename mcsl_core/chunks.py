@@ -150,14 +150,19 @@ class _Facts:
     def __init__(self, edl: Edl, base: Path) -> None:
         self.edl, self.base = edl, base
         self._source, self._beside = cache(self._source_now), cache(self._beside_now)
-        self._still, self._fixed = cache(self._still_now), cache(self._fixed_now)
+        self._still, self._fixed, self._swept = cache(self._still_now), cache(self._fixed_now), cache(self._swept_now)
 
     def of(self, part: FrameRange, decision: Decision, number: int) -> str:
         fixed = self._fixed(attrs.evolve(decision, overridden=False), number)
         if not decision.fill:
             return fixed
-        offsets = tuple(shift_at(self.edl, decision, row[0]) for row in _offsets(self.edl, part))
+        offsets = self._swept(number) if _follows_keys(decision) else (shift_at(self.edl, decision, part.start),)
         return fixed + self._still(number, offsets)
+
+    def _swept_now(self, number: int) -> tuple[tuple[float, float], ...]:
+        """The least and the greatest offsets of the centering's keys in a pose, as one answer for all its shots."""
+        x, y = zip(*(row[1:] for row in _offsets(self.edl, self.edl.poses[number].range)), strict=True)
+        return (min(x), min(y)), (max(x), max(y))
 
     def _fixed_now(self, decision: Decision, number: int) -> str:
         edl, pose = self.edl, self.edl.poses[number]
