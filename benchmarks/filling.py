@@ -42,7 +42,7 @@ from mcsl_core.simulation.unoccluded import UnoccludedScene
 from mcsl_core.timing import FrameRange
 
 RESULTS = Path(__file__).parent / "results"
-FRAMES = 4  # looked at in each pose
+FRAMES = 3  # looked at in each pose
 SHIFT = 0.1  # of the picture's width and height, to the right and down
 FILLERS: tuple[Filler, ...] = (ReferenceFiller(), FootprintFiller())
 
@@ -231,7 +231,7 @@ def main() -> None:
         for row in measure(folder, name):
             print(row, flush=True)
             rows.append(row)
-    (RESULTS / "filling.md").write_text(table(rows), "utf-8")
+            (RESULTS / "filling.md").write_text(table(rows), "utf-8")
 
 
 if __name__ == "__main__":

@@ -75,6 +75,8 @@ def analyse(
     if unknown:
         raise UsageError(f"there is no stage {unknown.pop()!r}", remedy=f"Stages are {', '.join(STAGES)}")
     chosen = {stage: plugins.choose(stage, settings.stages.get(stage)) for stage in STAGES}
+    for offer in chosen.values():
+        offer.prepare()
     before = edl.load(out) if out.exists() else None
 
     cameras = open_cameras(recording, out.parent, progress)
@@ -116,7 +118,7 @@ def analyse(
     )
     if before is not None:
         made = carry_over(before, made)
-    places = _gaze_places(looks, made) if settings.gaze else [_field_place(s, made.size) for s in solved]
+    places = gaze_places(looks, made) if settings.gaze else [_field_place(s, made.size) for s in solved]
     keys = chosen["centerer"].checked.centre(places, size=made.size, rate=float(rate))
     made = attrs.evolve(made, centering=tuple(keys))
     table.save(scores_path)
@@ -289,7 +291,9 @@ def _field_place(solved: SolvedPose, size: tuple[int, int]) -> FieldPlace:
     return FieldPlace(solved.pose.range, field_middle(solved.scene.field, to_programme))
 
 
-def _gaze_places(looks: Sequence[Gaze], made: edl.Edl) -> list[FieldPlace]:
+def gaze_places(looks: Sequence[Gaze], made: edl.Edl) -> list[FieldPlace]:
+    """Where viewers looked, in the programme of ``made``: what is centred in place of the field."""
+
     def place(frame: int, camera: str) -> np.ndarray | None:
         matrix = placed(made, made.pose_at(frame), camera)
         return None if matrix is None else np.array(matrix)

@@ -85,7 +85,8 @@ class View(Protocol):
     def footprint(self, camera: str, frame: int | None = None) -> U8:
         """(height / 2, width / 2): 255 where that camera sees the programme, less at its very edge.
 
-        On the grid of the chroma samples. frame: in the pose of that frame, in place of this one's; nothing where the camera's place is not known.
+        On the grid of the chroma samples. frame: in the pose of that frame, in place of this one's; nothing where the
+        camera's place is not known.
         """
         ...
 

@@ -4,14 +4,16 @@ import math
 from fractions import Fraction
 from pathlib import Path
 
+import attrs
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mcsl_core.analysis import gaze_places
 from mcsl_core.centering import FieldCenterer, FieldPlace, field_middle
 from mcsl_core.decisions import ACCELERATION, offset_at, resolve, shift_at
-from mcsl_core.edl import IDENTITY, Camera, Edl, Media, Override, Pose, Shot
+from mcsl_core.edl import IDENTITY, Camera, Correction, Edl, Media, Override, Pose, Shot
 from mcsl_core.errors import DocumentError, InputError
 from mcsl_core.gaze import Gaze, read_gaze, resting_places
 from mcsl_core.timing import FrameRange
@@ -280,3 +282,12 @@ def test_a_wrong_file_is_refused_with_the_line(tmp_path, text, said):
 def test_a_missing_file_is_an_input_error(tmp_path):
     with pytest.raises(InputError, match="cannot be read"):
         read_gaze([tmp_path / "none.csv"], rate=25, cameras=[])
+
+
+def test_the_analysis_takes_a_cameras_gaze_through_its_pose_and_the_editors_correction():
+    aside = ((1.0, 0.0, 100.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    edl = attrs.evolve(by_hand(poses=2), corrections=(Correction(FrameRange(600, 1200), "b", aside),))
+    looks = [Gaze(frame, "a", 300.0, 200.0, "b") for frame in range(0, 1200, 5)]
+    first, second = gaze_places(looks, edl)
+    assert (first.range, first.middle) == (FrameRange(0, 600), (300.0, 200.0))
+    assert (second.range, second.middle) == (FrameRange(600, 1200), (400.0, 200.0))
