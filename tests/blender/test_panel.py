@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 from conftest import R, in_blender
@@ -169,6 +170,7 @@ def test_a_fault_is_one_line_and_the_timeline_stays(built, blender, fault):
         bpy.ops.mcsl.conform()
         job = running.desk.running.job
         if kill: os.kill(job.pid, signal.SIGKILL)
+        assert "Conform" not in texts("MCSL_PT_conform")[2:], "a bar and Cancel in place of the button"
         if stop: bpy.ops.mcsl.cancel()
         running.wait(120)
         said = running.desk.message
@@ -309,3 +311,28 @@ def test_from_camera_files_to_a_timeline_and_again(simulated, built, blender):
     assert edl.reference == "cam2"
     assert edl.made_by is not None
     assert edl.made_by.plugins["filler"].startswith("reference")
+
+
+@pytest.mark.both_blenders
+def test_a_video_by_the_render_button(built, blender):
+    code = (
+        ON
+        + f"""
+    watching.look(scene)
+    scene.mcsl_work.preset = "review"
+    scene.mcsl_work.video = {str(built.parent / "out.mov")!r}
+    refused = ""
+    try:
+        bpy.ops.mcsl.apply_preset()
+    except RuntimeError as error:
+        refused = str(error)
+    scene.mcsl_work.video = "//out.mp4"
+    scene.frame_end = 10
+    bpy.ops.mcsl.render()
+    out = [refused, scene.render.filepath]
+    """
+    )
+    refused, path = in_blender(blender, built, code, save=False)
+    assert "the preset writes .mp4 files" in refused
+    assert Path(path) == built.parent / "out.mp4"
+    assert (built.parent / "out.mp4").stat().st_size > 1000
