@@ -197,7 +197,7 @@ def table(rows: list[Row]) -> str:
         f"{date.today()}, {platform.machine()}. `python -m benchmarks.filling FOLDER`",
         "",
         "PSNR of the pixels that the chosen camera does not see, but some camera in some pose of the perspective (the",
-        "rest is nobody's), against the scene without people seen by the first pose's reference camera on a wider image",
+        "rest is nobody's), against the scene without people seen by the first pose's reference camera on a wider",
         "plane: with the cameras filming the empty room, and as recorded. Each time the paper's filler (`reference`),",
         "then the default (`footprint`). Black: share of those pixels left black in the empty room. CPU: what filling",
         "costs a frame beyond the same without it, decoding the other cameras included.",

@@ -180,6 +180,28 @@ def test_the_papers_variants_come_in_its_order() -> None:
         standard_variants(edl, manual={0: {"b": IDENTITY}})
 
 
+def test_every_variant_is_made_by_the_same_compositor(still: Path, monkeypatch) -> None:
+    """No-alignment and Manual-alignment too: what is measured against each other differs in the EDL alone."""
+    made = []
+
+    class Watched(Compositor):
+        def frames(self, piece):
+            for planes in super().frames(piece):
+                made.append((self.edl.poses[0].homographies["b"], self.edl.poses[0].homographies["c"]))
+                yield planes
+
+    monkeypatch.setattr("mcsl_core.evaluation.Compositor", Watched)
+    edl = programme(*THREE)
+    variants = standard_variants(edl, manual={0: {"b": moved(14, -6, 20), "c": moved(-20, 6, -35)}})
+    evaluate(edl, still, variants)
+    assert len(made) == len(variants) * FRAMES
+    for variant in variants:
+        placed = variant.edl.poses[0].homographies
+        same = [m for m in made if np.allclose(m[0], placed["b"]) and np.allclose(m[1], placed["c"])]
+        assert len(same) >= FRAMES, variant.name
+    assert len({tuple(np.ravel(m)) for m in made}) == 3  # none, by hand, found
+
+
 # ------------------------------------------------------------------------------------------------------ measuring
 
 
