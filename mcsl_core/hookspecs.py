@@ -3,6 +3,9 @@
 A plugin is a module (or object) with functions of the names below, marked with ``mcsl_core.hookspecs.hookimpl`` and
 announced under the entry-point group ``mcsl``. Each function returns the objects it offers; each object has a
 ``name`` by which it is chosen. What plugins are handed is not theirs to change.
+
+One that needs something of the user's, such as a model, may have a method ``prepare()`` without arguments: it is called
+before an analysis begins, and what is missing is told then (as a `McslError` that says what to do) and not hours later.
 """
 
 from __future__ import annotations

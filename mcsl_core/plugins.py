@@ -37,6 +37,11 @@ class Offer:
         """The object as the pipeline calls it: what goes in, what comes out and what it raises is looked after."""
         return GUARDS[self.stage](self.implementation, self.stage, str(self), self.package, self.watch)
 
+    def prepare(self) -> None:
+        """Has the object load what it needs, where it can: what is missing is told before long work begins."""
+        if callable(getattr(self.implementation, "prepare", None)):
+            self.checked.call("prepare")
+
     def __str__(self) -> str:
         return f"{self.name} ({self.package} {self.version})"
 

@@ -28,11 +28,13 @@ NAMES: tuple[str, ...] = (
     *(f"{colour} usually" for colour in COLOURS),
     *(f"{colour} usually over 21" for colour in COLOURS),
     *(f"{colour} usually, less the others'" for colour in COLOURS),
+    "usually in the middle",
     *(f"{colour} since" for colour in COLOURS),
     *("changed", "changed over 7", "changed over 21", "unlike over 9"),
     *(f"{colour} since in the others" for colour in COLOURS),
     *("changed in the others", "no past", "no others"),
 )
+FIXED = sum("usually" in name for name in NAMES)
 AT = {name: position for position, name in enumerate(NAMES)}
 FROM_PAST = tuple(AT[n] for n in NAMES if "since" in n or "usually" in n or "changed" in n or "unlike" in n)
 FROM_OTHERS = tuple(AT[n] for n in NAMES if "in the others" in n)
@@ -58,8 +60,8 @@ class Seen:
 class Usual:
     """How one view looks in a stretch with nothing before it, prepared to be compared with.
 
-    colours: (h, w, 3) log ratios. low, high: (h, w, 3), the range of Lab within a pixel. fixed: (h, w, 9), the features
-    that do not change from moment to moment. light: its log light in the middle.
+    colours: (h, w, 3) log ratios. low, high: (h, w, 3), the range of Lab within a pixel. fixed: (h, w, `FIXED`), the
+    features that do not change from moment to moment. light: its usual log light.
     """
 
     colours: Float
@@ -67,7 +69,6 @@ class Usual:
     high: Picture
     fixed: Float
     light: float
-    others: int
 
     def part(self, box: Box) -> Usual:
         return evolve(
@@ -115,10 +116,11 @@ def usual_of(behind: Mapping[str, Seen]) -> dict[str, Usual]:
         unlike = [colours[name] - colours[n] for n in others]
         unlike = [u - np.median(u[::4, ::4], axis=(0, 1)).astype(np.float32) for u in unlike]
         fixed.append(_agreed(unlike, [behind[n].inside for n in others]) if others else np.zeros_like(own))
+        fixed.append(_from_middle(own.shape[:2]))
         lab = cv2.cvtColor(view.picture, cv2.COLOR_BGR2LAB)
         around = np.ones((3, 3), np.uint8)
         low, high = cv2.erode(lab, around), cv2.dilate(lab, around)
-        found[name] = Usual(colours[name], low, high, np.concatenate(fixed, axis=2), lights[name], len(others))  # pyright: ignore
+        found[name] = Usual(colours[name], low, high, np.concatenate(fixed, axis=2), lights[name])  # pyright: ignore
     return found
 
 
@@ -170,7 +172,7 @@ def _features(
     plane = np.ascontiguousarray(now[..., 2])
     parts = [now, cv2.blur(now, (7, 7)), cv2.blur(now, (21, 21))]
     parts += [_deviation(plane, 5), _deviation(plane, 15), _edge(plane)]
-    fixed = usual.fixed if usual else np.zeros((height, width, 9), np.float32)
+    fixed = usual.fixed if usual else np.zeros((height, width, FIXED), np.float32)
     before = np.ascontiguousarray(fixed[..., 2])
     parts += [fixed, own.less_usual]
     parts += [own.changed, cv2.blur(own.changed, (7, 7)), cv2.blur(own.changed, (21, 21))]
@@ -200,6 +202,12 @@ def _log_ratios(picture: Picture) -> Float:
     """(h, w, 3): log(R/G), log(B/G), log of the geometric mean of the three."""
     blue, green, red = cv2.split(cv2.LUT(picture, _LOGARITHMS))
     return cv2.merge([red - green, blue - green, (red + green + blue) / 3])  # pyright: ignore[reportReturnType]
+
+
+def _from_middle(shape: tuple[int, ...]) -> Float:
+    """(h, w, 1): 0 in the middle of the scene, 1 at the middle of each edge: the lamp is aimed at the field."""
+    y, x = (np.linspace(-1, 1, side, dtype=np.float32) for side in shape[:2])
+    return np.hypot(y[:, None], x[None])[..., None]
 
 
 def _deviation(plane: Float, side: int) -> Float:

@@ -230,6 +230,17 @@ def test_without_a_name_it_says_how_to_name_one(monkeypatch) -> None:
         offer.implementation.prepare()
 
 
+def test_a_missing_network_is_told_before_any_work_is_done(tmp_path, monkeypatch) -> None:
+    """Before the recording is even looked for."""
+    monkeypatch.delenv(plugin.VARIABLE, raising=False)
+    settings = analysis.AnalysisSettings(stages={"occlusion": "onnx"})
+    nowhere, out = [tmp_path / "none"], tmp_path / "edl.json"
+    with pytest.raises(UsageError, match=r"mcsl-onnx-occlusion 0\.1\.0.*MCSL_ONNX_MODEL"):
+        analysis.analyse(nowhere, out, settings=settings, plugins=discover(), progress=Silent())
+    with pytest.raises(InputError, match="does not exist"):
+        analysis.analyse(nowhere, out, settings=analysis.AnalysisSettings(), plugins=discover(), progress=Silent())
+
+
 # ------------------------------------------------------------------------------------------------ the whole way
 
 
