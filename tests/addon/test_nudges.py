@@ -180,6 +180,23 @@ def test_a_strip_of_an_older_analysis_holds_where_it_lies():
     assert [(c.range, c.matrix[0][2]) for c in new.corrections] == [(R(0, 50), 6.0), (R(50, 300), 6.0)]
 
 
+def test_a_strip_that_reaches_a_little_into_a_pose_says_nothing_about_it():
+    """Built with the pose's end at 120, which a new analysis puts at 75: the strip lies over a fifth of the next."""
+    edl = two_poses()
+    state = nudge(built(edl), "cam3", 0, offset_x=6.0)
+    poses = (attrs.evolve(edl.poses[0], range=R(0, 75)), attrs.evolve(edl.poses[1], range=R(75, 190)))
+    poses = (*poses, attrs.evolve(edl.poses[1], range=R(190, 300)))
+    new = read_edl(attrs.evolve(edl, poses=poses), state)
+    assert [(c.camera, c.range) for c in new.corrections] == [("cam3", R(0, 75))]
+
+
+def test_of_a_correction_that_is_replaced_no_rest_stays_that_holds_nowhere():
+    shift = ((1.0, 0.0, 5.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    edl = two_poses(corrections=(Correction(R(100, 300), "cam2", shift),))  # all of the second pose, a bit of the first
+    [correction] = moved(edl, 2).corrections
+    assert (correction.range, correction.matrix[0][2]) == (R(120, 300), pytest.approx(7.0))
+
+
 # --------------------------------------------------------------------------------------------------- properties
 
 SCALES, ANGLES, SHIFTS = st.floats(0.3, 3), st.floats(-3.1, 3.1), st.floats(-300, 300)
