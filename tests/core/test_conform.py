@@ -20,6 +20,7 @@ import pytest
 from coded_video import SIZE, read_number, write_coded
 
 from mcsl_core import chunks as chunking
+from mcsl_core import compositor as compositing
 from mcsl_core import edl as document
 from mcsl_core.chunks import plan
 from mcsl_core.conform import conform, default_folder, programme_frames, write_direct
@@ -138,6 +139,16 @@ def test_keys_follow_what_the_pixels_depend_on(sources, tmp_path):
     remembered = plan(make(), sources, filler=ReferenceFiller())
     touched = plan(make(overrides=(Override(FrameRange(50, 59), camera="a"),)), sources, filler=ReferenceFiller())
     assert changed(remembered, touched) == [30, 60, 90, 120]
+
+
+def test_a_plan_looks_at_the_cameras_footprints_once_a_pose_however_many_shots(sources, monkeypatch):
+    asked = []
+    covered = compositing.covered
+    monkeypatch.setattr(compositing, "covered", lambda *given: asked.append(given) or covered(*given))
+    shots = tuple(Shot(FrameRange(n, n + 2), "ab"[n // 2 % 2]) for n in range(0, FRAMES, 2))
+    edl = make(shots=shots, look=Look(True, True, False), centering=((0, 0.0, 0.0), (FRAMES - 1, 13.0, -5.0)))
+    assert len(plan(edl, sources)) == 5
+    assert [given[2] for given in asked] == [((0.0, -5.0), (13.0, 0.0))]
 
 
 def test_keys_follow_the_content_of_sources_not_their_place(sources, tmp_path):
