@@ -219,7 +219,8 @@ def _tick() -> float | None:
     more = pump()
     asking = pump_plugins()
     if desk.running is not None:
-        _status_bar(f"{desk.running.title}: {describe(desk.running)}")
+        title, text = desk.running.title, describe(desk.running)
+        _status_bar(text if text.startswith(title) else f"{title}: {text}")
     redraw()
     return TICK_S if more or asking else None
 
