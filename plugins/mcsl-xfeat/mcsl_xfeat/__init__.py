@@ -60,6 +60,10 @@ class XFeat:
         """What it needs and is not installed."""
         return [module for module in NEEDED if find_spec(module) is None]
 
+    def prepare(self) -> None:
+        """Loads the networks; PluginError says what to install where they cannot be."""
+        self._nets()
+
     def features(self, picture: NDArray[np.uint8], mask: NDArray[np.uint8] | None = None) -> TurnedFeatures:
         """The points of a (H, W, 3) BGR picture in all turns, only where ``mask`` (H, W) is not 0."""
         net, _ = self._nets()
@@ -106,7 +110,7 @@ class XFeat:
         return np.stack([rows[found[:, 0]], columns[found[:, 1]]], axis=1).astype(np.intp)
 
     def _nets(self) -> tuple[Any, Any]:
-        """The two networks, loaded once; PluginError says what to install where they cannot be."""
+        """The two networks, loaded once."""
         missing = self.missing()
         if missing:
             raise PluginError(

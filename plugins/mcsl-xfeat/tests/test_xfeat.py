@@ -52,12 +52,11 @@ def test_without_its_libraries_it_says_what_to_install() -> None:
     """In a Python of its own, in which they cannot be imported whether they are there or not."""
     code = f"""
 import sys
-import numpy as np
 from mcsl_core.errors import PluginError
 from mcsl_core.plugins import discover
 sys.modules |= dict.fromkeys({NEEDED!r})
 try:
-    discover().choose("matcher", "xfeat").checked.features(np.zeros((64, 64, 3), np.uint8))
+    discover().choose("matcher", "xfeat").prepare()
 except PluginError as error:
     print(error)
 """
