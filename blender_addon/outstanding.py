@@ -47,10 +47,22 @@ def basis_of(edl: Edl) -> Basis:
         if decision.centering and decision.offset is not None:
             centre = list(decision.offset)
         for number, pose in enumerate(edl.poses):
-            if (part := stretch.intersection(pose.range)) is not None:
-                facts = [common, decision.camera, centre, decision.fill, decision.colour, view(number, pose, decision)]
-                pieces.append((part, _digest(facts)))
+            if (span := stretch.intersection(pose.range)) is None:
+                continue
+            facts = [common, decision.camera, centre, decision.fill, decision.colour, view(number, pose, decision)]
+            for part, eases in _eased(span, decision):  # a centre by hand glides in and out; between, it stands
+                pieces.append((part, _digest([*facts, centering, eases] if eases else facts)))
     return tuple(merge_equal(pieces))
+
+
+def _eased(span: FrameRange, decision: Decision) -> list[tuple[FrameRange, str]]:
+    """``span`` cut where a glide begins or ends, and which glides there are in each part, as text."""
+    near = [e for e in decision.eases if e.range.intersection(span) is not None]
+    points = {span.start, span.stop}
+    points |= {p for e in near for p in (e.range.start, e.range.stop) if span.start < p < span.stop}
+    cuts = sorted(points)
+    parts = [FrameRange(a, b) for a, b in zip(cuts, cuts[1:], strict=False)]
+    return [(part, "".join(repr(e) for e in near if e.range.intersection(part))) for part in parts]
 
 
 def _view(edl: Edl, pose: Pose, decision: Decision) -> list[Any]:

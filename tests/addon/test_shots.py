@@ -79,7 +79,8 @@ def test_after_reverting_the_automatic_choice_holds_there_and_nothing_else_chang
     automatic = attrs.evolve(edl, overrides=())
 
     def at(document, frame):
-        return next(attrs.evolve(d, overridden=False) for stretch, d in resolve(document) if frame in stretch)
+        found = next(d for stretch, d in resolve(document) if frame in stretch)
+        return attrs.evolve(found, overridden=False, eases=())  # a shorter stretch eases elsewhere, rightly
 
     for frame in {0, piece.start - 1, piece.start, piece.stop - 1, piece.stop, 30, 95, 299} & set(range(300)):
         assert at(after, frame) == at(automatic if frame in piece else edl, frame), frame
