@@ -53,8 +53,8 @@ def build(
 def pull(blend_path: Path, edl_out: Path | None = None, *, blender: Blender, progress: Progress | None = None) -> Edl:
     """Reads the editor's decisions into the EDL that the .blend names, or into a copy of it at ``edl_out``.
 
-    Nothing but overrides and corrections changes; where nothing was decided anew, the file is left as it is, to the byte. Raises
-    InputError naming strip and frame of what cannot be read; nothing is written then.
+    Nothing but overrides and corrections changes; where nothing was decided anew, the file is left as it is, to the
+    byte. Raises InputError naming strip and frame of what cannot be read; nothing is written then.
     """
     return pull_from(blend_path, edl_out, blender=blender, progress=progress)[1]
 
