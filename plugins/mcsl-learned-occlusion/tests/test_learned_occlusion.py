@@ -106,6 +106,7 @@ def test_without_paint_for_elsewhere_the_field_is_mcsls_own(tmp_path, monkeypatc
     assert np.abs(said - true).mean() < 0.08
 
 
+@pytest.mark.slow
 def test_frames_are_judged_by_models_that_did_not_see_their_moment(frames) -> None:
     """With the paint of every frame drawn at random nothing can be learned, whatever was seen."""
     marked = read_marked(frames)
@@ -128,6 +129,7 @@ def test_frames_are_judged_by_models_that_did_not_see_their_moment(frames) -> No
     assert np.mean(list(chance.iou.values())) < 0.55
 
 
+@pytest.mark.slow
 def test_training_takes_less_than_a_minute_and_gives_the_same_again(frames, tmp_path) -> None:
     marked = read_marked(frames)
     before = time.process_time()
