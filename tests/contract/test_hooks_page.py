@@ -127,6 +127,7 @@ def test_a_package_from_the_page_changes_the_shots_by_pip_install_and_its_name_a
         "mcsl: plugin own-past 0.1 (own_past): cannot be imported: ModuleNotFoundError: No module named "
         "'nosuch_library'. Repair or uninstall it: pip uninstall own-past\n"
     )
+    module.write_text(right, "utf-8")
 
 
 @pytest.mark.slow
