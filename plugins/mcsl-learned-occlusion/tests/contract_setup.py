@@ -18,6 +18,6 @@ def prepare(folder: Path) -> Mapping[str, str]:
     for seed, drape in ((1, (70, 120, 40)), (2, (120, 80, 40)), (3, (150, 150, 150))):
         marking.mark(marking.Operation(seed, drape), folder / str(seed))
         marked += read_marked(folder / str(seed))
-    model, _ = train(marked, Silent(), Training(rounds=10, folds=2))
+    model, _ = train(marked, Silent(), Training(folds=2))
     model.save(folder / "model.npz")
     return {"MCSL_LEARNED_MODEL": str(folder / "model.npz")}
