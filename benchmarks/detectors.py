@@ -262,7 +262,7 @@ def markdown(all_figures: Sequence[Mapping[str, Any]], told: Mapping[str, Any]) 
             f"`learned` was trained on {told['frames']} frames of six other operations (seeds 310 to 315), painted by "
             f"the simulator's truth, in {told['cpu_s']:.0f} s of CPU with its cross-validation; IoU on frames held "
             f"out: {iou}. `onnx` is a small network made of the same frames: {told['network']}. Both never saw the "
-            "operations below; who marks frames of their own operation does no worse. `hue-area` is the paper's kind.",
+            "operations below. `hue-area` is the paper's kind.",
             "",
             "## Visible field: error",
             "",
