@@ -64,7 +64,7 @@ def lamp_films(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Samp
     films = {}
     for name, way in (("moved", lambda t: min(max((t - 24) / 1.5, 0), 1)), ("stood", lambda t: 0.0)):
         folder = tmp_path_factory.mktemp(name)
-        footage = write_lamp(folder, way, seconds=36, heads=0.2)
+        footage = write_lamp(folder, way, seconds=36, heads=0.12, far_px=120, seed=2)
         films[name] = Samples.record(footage, folder / "samples", Silent()), footage
     return films
 
