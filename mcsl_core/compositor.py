@@ -291,6 +291,14 @@ class _Patches:
         return self._kept[key]
 
 
+@frozen(eq=False)
+class _Made:
+    """A finished frame, and the perspective it is laid for."""
+
+    perspective: int
+    planes: Planes
+
+
 class Compositor:
     """Makes programme frames from an EDL and its footage. For one thread; close it, or use it as a context manager.
 
@@ -378,23 +386,26 @@ class Compositor:
 
     def frames(self, piece: FrameRange) -> Iterator[Planes]:
         """The programme's pictures over ``piece``, of the programme's size. Treat as read-only."""
-        previous: Planes | None = None
+        made: _Made | None = None
         block = block_frames(self.edl)
         try:
             for frame in piece:
                 if self.filler.remembers and (frame == piece.start or frame % block == 0):
-                    previous = None
+                    made = None
                     start = frame - frame % block
                     for before in chain(remembered(start), range(start, frame)):
-                        previous = self._at(before, previous)
-                previous = self._at(frame, previous if self.filler.remembers else None)
-                yield previous
+                        made = self._at(before, made)
+                made = self._at(frame, made if self.filler.remembers else None)
+                yield made.planes
         finally:
             self.close()
 
-    def _at(self, frame: int, previous: Planes | None) -> Planes:
+    def _at(self, frame: int, before: _Made | None) -> _Made:
         _, decision, number = self._stretches[bisect_right(self._stretches, frame, key=lambda s: s[0].start) - 1]
-        return self._frame(frame, decision, number, previous)
+        perspective = self.edl.poses[number].perspective
+        # In another perspective the frame before lies elsewhere: nothing in it belongs here.
+        known = before.planes if before is not None and before.perspective == perspective else None
+        return _Made(perspective, self._frame(frame, decision, number, known))
 
     def _frame(self, frame: int, decision: Decision, number: int, previous: Planes | None) -> Planes:
         edl, pose = self.edl, self.edl.poses[number]

@@ -312,3 +312,30 @@ def test_a_stretch_made_alone_is_the_same_bit_for_bit(tmp_path, monkeypatch, fil
     for piece in (FrameRange(31, 36), FrameRange(50, 64), FrameRange(90, 100)):
         for frame, alone in zip(piece, compose(edl, tmp_path, piece, filler=filler()), strict=True):
             assert_same(alone, run[frame])
+
+
+class Remembering:
+    """Notes at which frames there is one before."""
+
+    name, version, remembers = "remembering", 1, True
+
+    def __init__(self):
+        self.had = {}
+
+    def fill(self, view):
+        self.had[view.frame] = view.previous is not None
+        return view.front
+
+
+@pytest.mark.parametrize(("perspective", "kept"), [(0, True), (1, False)])
+def test_a_new_perspective_begins_without_the_frame_before(tmp_path, perspective, kept):
+    known = {"a": ((1, 0, 0), (0, 1, 0), (0, 0, 1)), "b": TILTED}
+    weak = (Weak("c", "nothing matches"),)
+    poses = (
+        Pose(FrameRange(0, 3), known, weak=weak),
+        Pose(FrameRange(3, 6), known, weak=weak, perspective=perspective),
+    )
+    edl = make(tmp_path, poses=poses, look=Look(centering=False, fill=True, colour=False))
+    filler = Remembering()
+    compose(edl, tmp_path, filler=filler)
+    assert filler.had == {0: False, 1: True, 2: True, 3: kept, 4: True, 5: True}
