@@ -72,21 +72,25 @@ def _imported(path: Path, package: str) -> set[str]:
 
 
 def write_wheel(folder: Path) -> Path:
-    """mcsl_core's floor 0 as a wheel, by the wheel format's rules: files, METADATA, WHEEL, RECORD."""
-    info = f"mcsl_core-{__version__}.dist-info"
+    """mcsl_core's floor 0 as a wheel, by the wheel format's rules: files, METADATA, WHEEL, RECORD.
+
+    Its version ends in a digest of the files: Blender keeps an installed wheel as long as one of its name is asked for.
+    """
+    files = {f"mcsl_core/{path.name}": path.read_bytes() for path in floor_0()}
+    version = f"{__version__}+{hashlib.sha256(repr(files).encode()).hexdigest()[:10]}"
+    info = f"mcsl_core-{version}.dist-info"
     metadata = (
         "Metadata-Version: 2.4\nName: mcsl_core\n"
-        f"Version: {__version__}\nSummary: The documents of mcsl, for its Blender extension\n"
+        f"Version: {version}\nSummary: The documents of mcsl, for its Blender extension\n"
         "License-Expression: Apache-2.0\nLicense-File: LICENSE\nRequires-Python: >=3.11\n"
         "Requires-Dist: attrs>=24.2\nRequires-Dist: cattrs>=24.1\n"
     )
-    files = {f"mcsl_core/{path.name}": path.read_bytes() for path in floor_0()}
     files[f"{info}/METADATA"] = metadata.encode()
     files[f"{info}/WHEEL"] = b"Wheel-Version: 1.0\nGenerator: mcsl\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
     files[f"{info}/licenses/LICENSE"] = LICENCE.read_bytes()
     record = [f"{name},sha256={_url_safe(data)},{len(data)}" for name, data in files.items()]
     files[f"{info}/RECORD"] = "\n".join([*record, f"{info}/RECORD,,", ""]).encode()
-    target = folder / f"mcsl_core-{__version__}-py3-none-any.whl"
+    target = folder / f"mcsl_core-{version}-py3-none-any.whl"
     _write_zip(target, files)
     return target
 
