@@ -40,7 +40,8 @@ def test_a_stretch_is_switched_and_nothing_else(edl, given, data):
     for frame in {0, max(0, start - 1), start, piece.stop - 1, min(piece.stop, edl.frames - 1), edl.frames - 1}:
         was, now = (next(d for p, d in decisions if frame in p) for decisions in (before, after))
         wanted = attrs.evolve(was, **given) if frame in piece else was
-        assert attrs.evolve(now, overridden=False) == attrs.evolve(wanted, overridden=False)
+        # A centre by hand eases over its own ends, and where centering is switched there is another end.
+        assert attrs.evolve(now, overridden=False, eases=()) == attrs.evolve(wanted, overridden=False, eases=())
 
 
 def test_the_command_writes_what_it_says(tmp_path, capsys, small_edl):
