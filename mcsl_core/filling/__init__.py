@@ -6,8 +6,19 @@ cameras through the same eye, piece by piece, now and at other moments. Everythi
 
 from .closeness import viewpoint_difference
 from .footprint import FootprintFiller
+from .moments import MOMENT_S
 from .origin import ShowOrigin
 from .reference import ReferenceFiller
-from .view import Filler, Rect, View
+from .view import CELL, Filler, Rect, View
 
-__all__ = ["Filler", "FootprintFiller", "Rect", "ReferenceFiller", "ShowOrigin", "View", "viewpoint_difference"]
+__all__ = [
+    "CELL",
+    "MOMENT_S",
+    "Filler",
+    "FootprintFiller",
+    "Rect",
+    "ReferenceFiller",
+    "ShowOrigin",
+    "View",
+    "viewpoint_difference",
+]

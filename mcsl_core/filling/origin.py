@@ -7,6 +7,7 @@ from collections.abc import Hashable, Sequence
 import cv2
 import numpy as np
 from attrs import frozen
+from numpy.typing import NDArray
 
 from ..images import U8, Planes, bgr_to_planes
 from ..timing import FrameRange
@@ -55,12 +56,23 @@ class _Tinted:
     def front(self) -> Planes:
         return self._tint(self.view.camera, self.view.front)
 
-    def look(self, camera: str, rect: Rect, moments: Sequence[int] = (), blur_px: float = 0.0) -> Planes | None:
-        planes = self.view.look(camera, rect, moments, blur_px)
+    def look(
+        self,
+        camera: str,
+        rect: Rect,
+        moments: Sequence[int] = (),
+        blur_px: float = 0.0,
+        *,
+        without_parallax: bool = False,
+    ) -> Planes | None:
+        planes = self.view.look(camera, rect, moments, blur_px, without_parallax=without_parallax)
         return None if planes is None else self._tint(camera, planes, bool(moments))
 
-    def footprint(self, camera: str, frame: int | None = None) -> U8:
-        return self.view.footprint(camera, frame)
+    def footprint(self, camera: str, frame: int | None = None, *, without_parallax: bool = False) -> U8:
+        return self.view.footprint(camera, frame, without_parallax=without_parallax)
+
+    def change(self, camera: str, moments: Sequence[int]) -> NDArray[np.float32]:
+        return self.view.change(camera, moments)
 
     def _tint(self, camera: str, planes: Planes, past: bool = False) -> Planes:
         half = planes.u.shape[::-1]
@@ -105,6 +117,10 @@ class _Tinted:
     @property
     def geometry(self) -> Hashable:
         return self.view.geometry
+
+    @property
+    def bent_edge(self) -> U8:
+        return self.view.bent_edge
 
     @property
     def previous(self) -> Planes | None:

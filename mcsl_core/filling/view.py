@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from typing import Protocol
 
+import numpy as np
 from attrs import frozen
+from numpy.typing import NDArray
 
 from ..images import U8, Planes
 from ..timing import FrameRange
+
+CELL = 16  # programme pixels: of the grid on which it is looked for who moves
 
 
 @frozen
@@ -82,20 +86,43 @@ class View(Protocol):
         """The finished programme frame before this one, where the filler asked for a memory."""
         ...
 
-    def footprint(self, camera: str, frame: int | None = None) -> U8:
+    @property
+    def bent_edge(self) -> U8:
+        """(height / 2, width / 2): 255 where `look` at the chosen camera without parallax is not `front`."""
+        ...
+
+    def footprint(self, camera: str, frame: int | None = None, *, without_parallax: bool = False) -> U8:
         """(height / 2, width / 2): 255 where that camera sees the programme, less at its very edge.
 
         On the grid of the chroma samples. frame: in the pose of that frame, in place of this one's; nothing where the
-        camera's place is not known.
+        camera's place is not known. without_parallax: where `look` shows it so.
         """
         ...
 
-    def look(self, camera: str, rect: Rect, moments: Sequence[int] = (), blur_px: float = 0.0) -> Planes | None:
+    def change(self, camera: str, moments: Sequence[int]) -> NDArray[np.float32]:
+        """(ceil(height / 16), ceil(width / 16)): by how many codes what that camera has now is not the median of
+        ``moments``, where each cell of `CELL` x `CELL` programme pixels lies; 0 where it does not look.
+
+        Whoever moves there, and what they cast their shadow on.
+        """
+        ...
+
+    def look(
+        self,
+        camera: str,
+        rect: Rect,
+        moments: Sequence[int] = (),
+        blur_px: float = 0.0,
+        *,
+        without_parallax: bool = False,
+    ) -> Planes | None:
         """What that camera has in ``rect``, warped and coloured; None where it has no picture or no known place.
 
         moments: the median of its pictures at these frames of one pose, in place of its picture now. Each costs a seek
         and a decode when it is first looked at, so keep to few: those of a fixed grid, so that a frame looks the same
-        in whatever stretch it is made. blur_px: sigma of a Gaussian over it.
+        in whatever stretch it is made. blur_px: sigma of a Gaussian over it. without_parallax: bent so that what does
+        not lie on the plane of the field is where the perspective's first picture has it, not only warped; the chosen
+        camera's only towards its edge, so that its picture goes over into the others'.
         """
         ...
 

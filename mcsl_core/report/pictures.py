@@ -15,12 +15,13 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
-from ..compositor import Compositor, programme_matrix
+from ..compositor import Compositor
 from ..coverage import Coverage
 from ..decisions import placed, resolve
 from ..edl import Edl, Pose
 from ..footage import Footage
 from ..images import planes_to_bgr
+from ..placement import programme_matrix
 from ..progress import Progress
 from ..reduced import reduced, reduced_filler, reduced_size
 from ..scene import scaling

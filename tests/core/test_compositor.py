@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 
 from mcsl_core.colour import as_matrix
-from mcsl_core.compositor import Compositor, programme_matrix, warp_planes
+from mcsl_core.compositor import Compositor
 from mcsl_core.decisions import fitted
 from mcsl_core.edl import Camera, Edl, Look, Media, Override, Pose, Shot, Weak
 from mcsl_core.filling import FootprintFiller, Rect, ReferenceFiller
 from mcsl_core.footage import Footage
 from mcsl_core.images import Planes, bgr_to_planes, psnr
+from mcsl_core.placement import programme_matrix
+from mcsl_core.resampling import warp_planes
 from mcsl_core.timing import FrameRange
 from mcsl_core.video import Encoding, VideoWriter
 

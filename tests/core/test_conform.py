@@ -20,8 +20,8 @@ import pytest
 from coded_video import SIZE, read_number, write_coded
 
 from mcsl_core import chunks as chunking
-from mcsl_core import compositor as compositing
 from mcsl_core import edl as document
+from mcsl_core import placement
 from mcsl_core.chunks import plan
 from mcsl_core.conform import conform, default_folder, programme_frames, write_direct
 from mcsl_core.edl import Camera, Clock, Colour, Edl, Look, Media, Override, Pose, Shot
@@ -143,8 +143,8 @@ def test_keys_follow_what_the_pixels_depend_on(sources, tmp_path):
 
 def test_a_plan_looks_at_the_cameras_footprints_once_a_pose_however_many_shots(sources, monkeypatch):
     asked = []
-    covered = compositing.covered
-    monkeypatch.setattr(compositing, "covered", lambda *given: asked.append(given) or covered(*given))
+    covered = placement.covered
+    monkeypatch.setattr(placement, "covered", lambda *given: asked.append(given) or covered(*given))
     shots = tuple(Shot(FrameRange(n, n + 2), "ab"[n // 2 % 2]) for n in range(0, FRAMES, 2))
     edl = make(shots=shots, look=Look(True, True, False), centering=((0, 0.0, 0.0), (FRAMES - 1, 13.0, -5.0)))
     assert len(plan(edl, sources)) == 5

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcsl_core.filling import FootprintFiller, Rect, ReferenceFiller, viewpoint_difference
-from mcsl_core.filling.footprint import strips
+from mcsl_core.filling.plan import strips
 from mcsl_core.images import Planes, blurred
 from mcsl_core.timing import FrameRange
 
@@ -66,13 +66,20 @@ class Scene:
     def seen(self, camera, frame):
         return self.pose(self.frame if frame is None else frame)[1].get(camera, self.columns[camera])
 
-    def footprint(self, camera, frame=None):
+    @property
+    def bent_edge(self):
+        return np.zeros((SIZE[1] // 2, SIZE[0] // 2), np.uint8)
+
+    def change(self, camera, moments):
+        return np.zeros((-(-SIZE[1] // 16), -(-SIZE[0] // 16)), np.float32)
+
+    def footprint(self, camera, frame=None, *, without_parallax=False):
         left, right = self.seen(camera, frame)
         mask = np.zeros((SIZE[1] // 2, SIZE[0] // 2), np.uint8)
         mask[:, left // 2 : right // 2] = 255
         return mask
 
-    def look(self, camera, rect, moments=(), blur_px=0.0):
+    def look(self, camera, rect, moments=(), blur_px=0.0, *, without_parallax=False):
         self.looked.append((camera, tuple(moments), blur_px))
         value = self.values[camera]
         shown = [value(f) if callable(value) else value for f in moments or (self.frame,)]
@@ -247,7 +254,7 @@ def test_the_papers_filler_is_the_papers():
     pictures = {"ref": textured(0, 250, 40), "a": textured(80, 200, 0)}
 
     class Textured(Scene):
-        def look(self, camera, rect, moments=(), blur_px=0.0):
+        def look(self, camera, rect, moments=(), blur_px=0.0, *, without_parallax=False):
             return rect.of(pictures[camera])
 
     view = Textured({"ref": (0, 250), "a": (80, 200)}, {}, "a", previous=textured(0, 320, 90))

@@ -36,7 +36,10 @@ FLOORS: dict[int, set[str]] = {
         "filling",
         "colour",
     },
-    3: {"compositor", "misalignment", "hookspecs", "stages", "guards", "default_plugins", "plugins"},
+    3: {
+        *("compositor", "eye", "frame_view", "parallax", "placement", "resampling"),  # programme frames
+        *("misalignment", "hookspecs", "stages", "guards", "default_plugins", "plugins"),
+    },
     4: {
         *("evaluation", "figures", "manual", "steadiness", "reduced", "coverage", "study", "report"),  # measuring
         *(

@@ -7,13 +7,14 @@ import cv2
 import numpy as np
 import pytest
 
-from mcsl_core.compositor import Compositor, warp_planes
+from mcsl_core.compositor import Compositor
 from mcsl_core.conform import conform
 from mcsl_core.edl import Camera, Edl, Look, Media, Pose, Shot
 from mcsl_core.filling import Rect
 from mcsl_core.footage import Footage
 from mcsl_core.images import Planes, bgr_to_planes
 from mcsl_core.quality import Quality
+from mcsl_core.resampling import warp_planes
 from mcsl_core.timing import FrameRange
 from mcsl_core.video import Encoding, VideoWriter
 

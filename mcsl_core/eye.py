@@ -1,0 +1,185 @@
+"""Every camera as the programme sees it: decoded once, in its place, warped by one resampling."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable, Hashable
+from contextlib import ExitStack, closing
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from .decisions import placed
+from .edl import Edl
+from .filling import CELL, Rect, viewpoint_difference
+from .footage import Footage, Player
+from .images import U8, Planes
+from .parallax import Parallax
+from .placement import programme_matrix, still_range
+from .resampling import (
+    Bend,
+    Maps,
+    Matrix,
+    Resampling,
+    bent_footprint,
+    bent_maps,
+    footprint,
+    remap_planes,
+    translation,
+    warp_planes,
+)
+
+_KEPT_BYTES = 48_000_000  # of warped looks at other moments and of maps, which come again frame after frame
+_EDGE = 1 / 15  # of the programme's width: over so much the chosen camera's picture goes over into the others'
+_TO_CELL = np.array([[1 / CELL, 0, 0.5 / CELL - 0.5], [0, 1 / CELL, 0.5 / CELL - 0.5], [0, 0, 1]])
+Offset = tuple[float, float]  # the centering's, in programme pixels
+
+
+class Eye:
+    """Looks at the footage through the programme's frame. For one thread; close it when done."""
+
+    def __init__(self, edl: Edl, footage: Footage, resampling: Resampling, parallax: Parallax | None = None) -> None:
+        self.edl, self.footage, self.parallax = edl, footage, parallax or Parallax(edl, footage)
+        self._resampling: Resampling = resampling
+        self.still = tuple(still_range(edl, pose) for pose in edl.poses)
+        sizes = tuple((camera.name, camera.size) for camera in edl.cameras)
+        places = tuple(placed(edl, pose, name) for pose in edl.poses for name, _ in sizes)
+        self.geometry = hash((edl.size, edl.rate, edl.reference, sizes, self.still, places))
+        self.patches, self._maps = Kept(), Kept()
+        self._matrices: dict[tuple[int, str], tuple[Matrix, bool]] = {}
+        self._others: dict[tuple[int, str], tuple[str, ...]] = {}
+        self._edges: dict[tuple[int, str], Bend | None] = {}
+        self._stack = ExitStack()
+        self._players: dict[str, Player] = {}
+
+    def close(self) -> None:
+        """Closes the decoders and forgets what was looked at; pictures handed out stay valid."""
+        self._players.clear()
+        self.patches, self._maps = Kept(), Kept()
+        self._stack.close()
+
+    def picture(self, camera: str, frame: int) -> Planes | None:
+        """The camera's own picture at programme frame ``frame``, decoded once."""
+        if camera not in self._players:
+            self._players[camera] = self._stack.enter_context(closing(self.footage.player(camera)))
+        return self._players[camera].at(frame)
+
+    def pose_number(self, frame: int) -> int:
+        return bisect_right(self.edl.poses, frame, key=lambda pose: pose.range.start) - 1
+
+    def knows(self, number: int, camera: str) -> bool:
+        """Whether it is known where the camera's picture lies in pose ``number``."""
+        return self._placed(number, camera)[1]
+
+    def others(self, number: int, camera: str) -> tuple[str, ...]:
+        """Who may stand in for ``camera`` in a pose: the reference, then by closeness of viewpoint."""
+        key = number, camera
+        if key not in self._others:
+            front, size = self._placed(number, camera)[0], self.edl.camera(camera).size
+            known = [c.name for c in self.edl.cameras if c.name != camera and self.knows(number, c.name)]
+
+            def apart(name: str) -> tuple[bool, float]:
+                return name != self.edl.reference, viewpoint_difference(front, self._placed(number, name)[0], size)
+
+            self._others[key] = tuple(sorted(known, key=apart))
+        return self._others[key]
+
+    def warped(self, planes: Planes, number: int, camera: str, offset: Offset, rect: Rect) -> Planes:
+        """What a picture of ``camera`` shows in ``rect`` of the programme in pose ``number``."""
+        return warp_planes(planes, self._matrix(number, camera, offset), rect, self._resampling)
+
+    def straightened(
+        self, planes: Planes, number: int, camera: str, offset: Offset, rect: Rect, *, edge: bool, again: bool
+    ) -> Planes:
+        """As `warped`, without parallax.
+
+        edge: only towards its picture's edge. again: the same place will be asked for once more, so it is kept.
+        """
+        bend = self._bend(number, camera, edge)
+        if bend is None:
+            return self.warped(planes, number, camera, offset, rect)
+
+        def make() -> Maps:
+            return bent_maps(self._placed(number, camera)[0], bend, rect, offset)
+
+        key = number, camera, edge, offset, rect
+        return remap_planes(planes, self._maps.of(key, make, _size) if again else make(), self._resampling)
+
+    def bent_edge(self, number: int, camera: str, offset: Offset) -> U8:
+        """(height / 2, width / 2): 255 where `straightened` towards the edge is not `warped`."""
+        bend = self._bend(number, camera, edge=True)
+        width, height = self.edl.size
+        return np.zeros((height // 2, width // 2), np.uint8) if bend is None else bend.reach(self.edl.size, offset)
+
+    def change(
+        self, number: int, camera: str, offset: Offset, now: Planes | None, before: Planes | None
+    ) -> NDArray[np.float32]:
+        """By how many codes two pictures of ``camera`` differ in each cell of the programme; see `filling.View`."""
+        size = (-(-self.edl.size[0] // CELL), -(-self.edl.size[1] // CELL))
+        if now is None or before is None or not self.knows(number, camera):
+            return np.zeros(size[::-1], np.float32)
+        difference = np.max([cv2.absdiff(*pair) for pair in zip(_cells(now), _cells(before), strict=True)], axis=0)
+        matrix = _TO_CELL @ self._matrix(number, camera, offset) @ np.linalg.inv(_TO_CELL)
+        return np.asarray(cv2.warpPerspective(difference.astype(np.float32), matrix, size), np.float32)
+
+    def _bend(self, number: int, camera: str, edge: bool) -> Bend | None:
+        if not edge:
+            return self.parallax.of(number, camera)
+        if (number, camera) not in self._edges:
+            bend, matrix = self.parallax.of(number, camera), self._placed(number, camera)[0]
+            wide = _EDGE * self.edl.size[0]
+            self._edges[number, camera] = bend and bend.tapered(self.edl.camera(camera).size, matrix, wide)
+        return self._edges[number, camera]
+
+    def footprint(self, number: int, camera: str, offset: Offset, *, without_parallax: bool, edge: bool) -> U8:
+        """(height / 2, width / 2): 255 where `warped` or `straightened` shows something."""
+        width, height = self.edl.size
+        if not self.knows(number, camera):
+            return np.zeros((height // 2, width // 2), np.uint8)
+        size, bend = self.edl.camera(camera).size, self._bend(number, camera, edge) if without_parallax else None
+        if bend is None:
+            return footprint(size, self._matrix(number, camera, offset), self.edl.size)
+        return bent_footprint(size, bent_maps(self._placed(number, camera)[0], bend, Rect(0, 0, width, height), offset))
+
+    def _matrix(self, number: int, camera: str, offset: Offset) -> Matrix:
+        """As `programme_matrix`, each worked out once: a frame asks for some dozens."""
+        matrix, known = self._placed(number, camera)
+        return translation(*offset) @ matrix if known else matrix
+
+    def _placed(self, number: int, camera: str) -> tuple[Matrix, bool]:
+        key = number, camera
+        if key not in self._matrices:
+            pose = self.edl.poses[number]
+            matrix = programme_matrix(self.edl, pose, camera)
+            self._matrices[key] = matrix, placed(self.edl, pose, camera) is not None
+        return self._matrices[key]
+
+
+class Kept:
+    """What is the same for every frame while the programme stands still; all is dropped when it grows too large."""
+
+    def __init__(self) -> None:
+        self._kept: dict[Hashable, Any] = {}
+        self._bytes = 0
+
+    def of(self, key: Hashable, make: Callable[[], Any], size: Callable[[Any], int]) -> Any:
+        if key not in self._kept:
+            if self._bytes > _KEPT_BYTES:
+                self._kept.clear()
+                self._bytes = 0
+            found = self._kept[key] = make()
+            self._bytes += 0 if found is None else size(found)
+        return self._kept[key]
+
+
+def _cells(planes: Planes) -> list[U8]:
+    """Each plane's means over 16 x 16 pixels, of every second or fourth sample: noise is not what is looked for."""
+    size = (-(-planes.size[0] // CELL), -(-planes.size[1] // CELL))
+    parts = (planes.y[::4, ::4], planes.u[::2, ::2], planes.v[::2, ::2])
+    return [np.asarray(cv2.resize(part, size, interpolation=cv2.INTER_AREA), np.uint8) for part in parts]
+
+
+def _size(maps: Maps) -> int:
+    return maps.nbytes

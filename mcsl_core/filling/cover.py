@@ -1,0 +1,74 @@
+"""Who is in the way of the camera that stands behind the chosen one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import cv2
+import numpy as np
+from attrs import frozen
+
+from .plan import Plan, Weight
+from .sources import Source, faded, sets_of
+from .view import CELL, Rect, View
+
+_MOVES = (10.0, 24.0)  # codes by which a cell differs from its median: nothing moves, somebody does
+_ALONE = (
+    0.5,
+    0.8,
+)  # share of what moves near by that the chosen camera does not see: both see it, the other alone does
+_NEAR = 1 / 12  # sigma, of the width
+_LEAST = 2e-3  # of what moves near by, for which it counts
+
+
+@frozen(eq=False)
+class Cover:
+    """How much of each cell is somebody in the way, 0..1."""
+
+    cells: Weight
+
+    def over(self, rect: Rect) -> tuple[Weight, Weight]:
+        """At the luma and at the chroma samples of ``rect``."""
+        return self._at(rect, 1), self._at(rect, 2)
+
+    def _at(self, rect: Rect, step: int) -> Weight:
+        cell = CELL // step
+        matrix = np.array([[cell, 0, cell / 2 - 0.5 - rect.x / step], [0, cell, cell / 2 - 0.5 - rect.y / step]])
+        size = (rect.width // step, rect.height // step)
+        wide = cv2.warpAffine(self.cells, matrix, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        return np.asarray(wide, np.float32)
+
+
+Covered = Mapping[str, Cover]  # by camera
+
+
+def covered(view: View, plan: Plan) -> Covered:
+    """Where in the camera decoded beside the chosen one somebody is in the way whom the chosen one does not see.
+
+    The chosen camera is the least occluded; a head that hides the field from the other one would come back with its
+    picture, as half a head beyond the edge. Whoever moves in both (hands, arms) belongs there and stays. Where the
+    chosen camera does not look it goes by the surroundings in which both look.
+    """
+    if plan.both is None:
+        return {}
+    camera = next(source.camera for source in plan.sources[1:] if source.live)
+    other, own = _moving(view, camera), _moving(view, view.camera)
+    if not (other * (1 - plan.both)).any():
+        return {}
+    alone, seen = (_spread(plan.both * moving) for moving in (other * (1 - own), other))
+    only = np.clip((alone / (seen + _LEAST) - _ALONE[0]) / (_ALONE[1] - _ALONE[0]), 0, 1)
+    cells = cv2.GaussianBlur(cv2.dilate(other * only, np.ones((3, 3), np.uint8)), (0, 0), 1.0)
+    return {camera: Cover(np.asarray(cells, np.float32))} if cells.max() > 0.02 else {}
+
+
+def _moving(view: View, camera: str) -> Weight:
+    """0..1 by cell: whether the camera sees there now what it does not see most of the time."""
+    changes = [view.change(camera, moments) for moments in sets_of(view, Source(camera, moment=True))]
+    share = faded(view)
+    change = changes[0] if len(changes) < 2 else changes[0] * share + changes[1] * (1 - share)
+    return np.clip((change - _MOVES[0]) / (_MOVES[1] - _MOVES[0]), 0, 1).astype(np.float32)
+
+
+def _spread(cells: Weight) -> Weight:
+    sigma = _NEAR * cells.shape[1]
+    return np.asarray(cv2.GaussianBlur(cells, (0, 0), sigma, borderType=cv2.BORDER_CONSTANT), np.float32)

@@ -1,0 +1,204 @@
+"""Which source shows where in a programme frame: worked out once for all frames of one geometry.
+
+Masks and weights are on the grid of the chroma samples, (height / 2, width / 2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import attrs
+import cv2
+import numpy as np
+from attrs import field, frozen
+from numpy.typing import NDArray
+
+from ..images import U8, feathered
+from .sources import Source, candidates
+from .view import CELL, Rect, View
+
+_SLIVER = 1 / 200  # least share of the frame for which one more camera is decoded all along: 100 x 100 pixels at 1080p
+_SPECK = 1 / 20_000  # least share for which moments are looked at: 100 pixels at 1080p
+
+Weight = NDArray[np.float32]
+
+
+@frozen(eq=False)
+class Layer:
+    """One source's part in a patch: over what is behind it, at half and at full size, (weight, 1 - weight) each."""
+
+    source: int
+    half: tuple[Weight, Weight]
+    full: tuple[Weight, Weight]
+
+
+@frozen(eq=False)
+class Patch:
+    """A piece to make: sources from front to back, the last of them alone (``solid``) or over black.
+
+    bent: the chosen camera's picture is not everywhere as it was warped.
+    """
+
+    rect: Rect
+    layers: tuple[Layer, ...]
+    solid: bool
+    bent: bool
+
+
+@frozen(eq=False)
+class Plan:
+    sources: tuple[Source, ...]  # 0 is the chosen camera
+    patches: tuple[Patch, ...]
+    both: Weight | None = None  # by cell: how much of it the chosen camera and the one decoded beside it both see
+    boxes: Mapping[int, Rect] = field(factory=dict)  # sources that are looked at once, for all their patches
+
+
+def plan(view: View, absent: frozenset[Source], feather_px: float) -> Plan:
+    """What stands where behind the chosen camera. absent: sources without a picture, as if they were not there."""
+    feather = feather_px / 2  # the footprints are half size
+    if view.footprint(view.camera).min() == 255:
+        return Plan((Source(view.camera),), ())
+    front, bent = view.footprint(view.camera, without_parallax=True), view.bent_edge > 0
+    sources, masks = [Source(view.camera)], [front]
+    shares = [_alpha(front, feather)]
+    left = 1 - shares[0]
+
+    def adds(source: Source, least: float) -> bool:
+        """Puts ``source`` behind the others, if so much of the picture is seen by it alone."""
+        nonlocal left
+        mask = view.footprint(source.camera, source.frame, without_parallax=not source.plain)
+        share = left * _alpha(mask, feather)
+        if source in absent or share.mean() < least:
+            return False
+        sources.append(source)
+        masks.append(mask)
+        shares.append(share)
+        left = left - share
+        return True
+
+    live = False
+    for source in candidates(view):
+        if left.mean() < _SPECK:
+            break
+        if source.moment and not live:
+            live = adds(Source(source.camera), _SLIVER)  # the one that is decoded all along
+            if live:
+                continue
+        adds(source, _SPECK)
+    for source, mask in tuple(zip(sources, masks, strict=True)):  # what is bent away from its edge
+        if not np.array_equal(mask, view.footprint(source.camera, source.frame)):
+            adds(attrs.evolve(source, plain=True), _SPECK)
+    edge = _weights(np.maximum.reduce(masks))  # where nobody sees on: as smooth as the footprints are
+    seen = np.maximum(1 - left, 1e-4)
+    shares = [np.where(left < 0.9999, share / seen, 0) * edge for share in shares]
+    patches = tuple(_patches(shares, bent))
+    second = next((i for i, source in enumerate(sources) if i and source.live), None)
+    both = None if second is None else _cells(view, cv2.min(masks[0], masks[second]))
+    return Plan(tuple(sources), patches, both, _boxes(sources, patches))
+
+
+def _patches(shares: Sequence[Weight], bent: NDArray[np.bool_]) -> Iterator[Patch]:
+    """Rectangles that cover all that is not the front alone and as it is, each with the sources that show in it."""
+    black = 1 - np.sum(shares, axis=0)
+    visible = [*(share > 1 / 512 for share in (*shares, black)), bent]
+    for rect, members in strips(visible):
+        part = (slice(rect.y // 2, (rect.y + rect.height) // 2), slice(rect.x // 2, (rect.x + rect.width) // 2))
+        solid = len(shares) not in members
+        names = [m for m in members if m < len(shares)]
+        behind = np.zeros((rect.height // 2, rect.width // 2), np.float32) if solid else np.maximum(black[part], 0)
+        layers = []
+        for name in reversed(names):
+            share = np.maximum(shares[name][part], 0)
+            behind = behind + share
+            layers.append(_layer(name, np.where(behind > 1e-4, share / np.maximum(behind, 1e-4), 0)))
+        yield Patch(rect, tuple(reversed(layers)), solid, len(shares) + 1 in members)
+
+
+def _boxes(sources: Sequence[Source], patches: Sequence[Patch]) -> dict[int, Rect]:
+    """Of each camera that is decoded all along the rectangle around its patches, where they fill a third of it.
+
+    One look of 1920x1080 pixels takes as long as 40 that together are half as large.
+    """
+    boxes = {}
+    for index, source in enumerate(sources):
+        if index == 0 or not source.live:
+            continue
+        rects = [patch.rect for patch in patches if any(layer.source == index for layer in patch.layers)]
+        if not rects:
+            continue
+        x, y = min(r.x for r in rects), min(r.y for r in rects)
+        right, bottom = max(r.x + r.width for r in rects), max(r.y + r.height for r in rects)
+        box = Rect(x, y, right - x, bottom - y)
+        if 3 * sum(r.width * r.height for r in rects) >= box.width * box.height:
+            boxes[index] = box
+    return boxes
+
+
+def _layer(source: int, weight: NDArray) -> Layer:
+    half = np.ascontiguousarray(weight, np.float32)
+    full = np.asarray(
+        cv2.resize(half, (2 * half.shape[1], 2 * half.shape[0]), interpolation=cv2.INTER_LINEAR), np.float32
+    )
+    return Layer(source, (half, 1 - half), (full, 1 - full))
+
+
+def strips(visible: Sequence[NDArray[np.bool_]], rows: int = 32, least: int = 16) -> list[tuple[Rect, tuple[int, ...]]]:
+    """Rectangles (in pixels twice as fine as the masks) and the masks that are true somewhere in each.
+
+    Together they cover all but where the first mask alone is true. Bands of ``rows`` half-size rows are cut where the
+    set of masks changes; pieces narrower than ``least`` columns go to a neighbour; equal ones above each other join.
+    """
+    height, width = visible[0].shape
+    found: list[tuple[Rect, int]] = []
+    open_: dict[tuple[int, int, int], int] = {}
+    for top in range(0, height, rows):
+        bits = np.zeros(width, np.int64)
+        for index, mask in enumerate(visible):
+            bits |= mask[top : top + rows].any(axis=0).astype(np.int64) << index
+        tall = min(rows, height - top)
+        going: dict[tuple[int, int, int], int] = {}
+        for start, stop, signature in _runs(bits, least):
+            if signature == 1:
+                continue
+            key = (start, stop, signature)
+            rect = Rect(2 * start, 2 * top, 2 * (stop - start), 2 * tall)
+            at = open_.get(key)
+            if at is None:
+                at = len(found)
+                found.append((rect, signature))
+            else:
+                above = found[at][0]
+                found[at] = (Rect(above.x, above.y, above.width, above.height + rect.height), signature)
+            going[key] = at
+        open_ = going
+    return [(rect, tuple(i for i in range(len(visible)) if signature >> i & 1)) for rect, signature in found]
+
+
+def _runs(bits: NDArray[np.int64], least: int) -> list[tuple[int, int, int]]:
+    """(start, stop, value) of equal neighbours; short ones joined with the one before, their bits together."""
+    cuts = [0, *(np.flatnonzero(np.diff(bits)) + 1).tolist(), len(bits)]
+    runs: list[tuple[int, int, int]] = []
+    for start, stop in zip(cuts, cuts[1:], strict=False):
+        value = int(bits[start])
+        if runs and (stop - start < least or runs[-1][1] - runs[-1][0] < least):
+            begin, _, before = runs.pop()
+            value |= before
+            start = begin
+        runs.append((start, stop, value))
+    return runs
+
+
+def _alpha(mask: U8, feather: float) -> Weight:
+    """A camera's weight against what is behind it; a trace of it to its very edge, which counts where nobody is."""
+    return np.maximum(
+        _weights(feathered(np.where(mask > 127, 255, 0).astype(np.uint8), feather)), 1e-3 * _weights(mask)
+    )
+
+
+def _weights(alpha: U8) -> Weight:
+    return alpha.astype(np.float32) / np.float32(255)
+
+
+def _cells(view: View, mask: NDArray) -> Weight:
+    size = (-(-view.size[0] // CELL), -(-view.size[1] // CELL))
+    return _weights(np.asarray(cv2.resize(mask, size, interpolation=cv2.INTER_AREA), np.uint8))

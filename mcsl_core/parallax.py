@@ -1,0 +1,187 @@
+"""Residual parallax: how far beside its place each camera shows what does not lie on the plane it is aligned by.
+
+A homography aligns one plane, the surgical field. Drapes, instruments and towels lie above or below it, and each
+camera sees them from its own side, so that what one camera shows beyond another's edge does not continue it (13 pixels
+at 960 on simulated drapes; plane plus parallax, Irani and Anandan 1996). The perspective is the reference camera's in
+its first pose: dense optical flow (DIS, Kroeger et al. 2016) from its picture to another camera's, both medians without
+whoever moved, says where that camera has what belongs at a pixel. It is kept where the pictures agree, and smoothed
+over 1/96 of the width; beyond their overlap it goes on as near it.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from threading import Lock
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from .edl import Edl
+from .filling import MOMENT_S
+from .footage import Footage
+from .images import U8
+from .placement import first_of_perspective, programme_matrix, still_range
+from .resampling import Bend, Matrix, translation
+
+_WIDTH = 640  # of the programme as compared; 480 to 960 differ by 0.5 dB
+_MARGIN = 0.25  # of the programme's size, on each side: what centering may bring in
+_SMOOTH = 1 / 96  # sigma, of the programme's width; at 1/24 what is filled is 1 to 2 dB worse
+_FURTHER = ((4, 0.05), (16, 0.0025))  # times that, and weight, of wider surroundings where the near ones say nothing
+_MOST = 0.04  # of the compared pictures' width: what flow finds further off is something else
+_MISSED = 5.0  # compared pixels by which the way back may miss
+_LEAST_AGREEMENT = 0.25  # mean; pictures of one scene: 0.3 to 0.7, unrelated ones: to 0.2
+_CONTRAST = 40.0  # what surroundings are levelled to
+_UNLIKE = 0.65 * _CONTRAST  # mean difference after bending; pictures of one scene: 0.28 to 0.61, unrelated: 0.71 on
+_NODE = 4  # compared pixels between nodes
+_LOCAL = 12.0  # sigma of the surroundings whose brightness and contrast are taken out, compared pixels
+_LOOKS = 9  # at most ten seconds apart: somebody who stays is not to be taken for what lies there
+_KEPT = 64  # bends, 80 kB each
+
+Values = NDArray[np.float32]
+
+
+class Parallax:
+    """What `Bend` takes a camera's picture into the perspective, by pose; found when first asked for. Thread-safe."""
+
+    def __init__(self, edl: Edl, footage: Footage) -> None:
+        self._edl, self._footage = edl, footage
+        self._scale = min(1.0, _WIDTH / edl.size[0])
+        self._lock = Lock()
+        self._kept: OrderedDict[tuple[int, str], Bend | None] = OrderedDict()
+
+    def of(self, number: int, camera: str) -> Bend | None:
+        """For the picture of ``camera`` in pose ``number``; None where it lies right, or nothing says how it lies."""
+        key = number, camera
+        with self._lock:  # one at a time: others would wait for the same pictures
+            if key not in self._kept:
+                self._kept[key] = self._found(number, camera)
+                if len(self._kept) > _KEPT:
+                    self._kept.popitem(last=False)
+            return self._kept[key]
+
+    def _found(self, number: int, camera: str) -> Bend | None:
+        base = first_of_perspective(self._edl, number)
+        if (base, self._edl.reference) == (number, camera):
+            return None
+        guide, picture = self._seen(base, self._edl.reference), self._seen(number, camera)
+        if guide is None or picture is None:
+            return None
+        flow = residual_parallax(*guide, *picture, _SMOOTH * self._scale * self._edl.size[0])
+        if flow is None:
+            return None
+        nodes = np.ascontiguousarray(flow[::_NODE, ::_NODE]) / np.float32(self._scale)
+        width, height = self._edl.size
+        return Bend(nodes, (-_MARGIN * width, -_MARGIN * height), _NODE / self._scale)
+
+    def _seen(self, number: int, camera: str) -> tuple[U8, U8] | None:
+        """Luma of what stays in view near the start of a pose, reduced, and 255 where the camera looks."""
+        edl = self._edl
+        pose = edl.poses[number]
+        still = still_range(edl, pose)
+        step = max(1, min(round(MOMENT_S * edl.rate), len(still) // _LOOKS))
+        planes = self._footage.median(camera, range(still.start + step // 2, still.stop, step)[:_LOOKS])
+        if planes is None:
+            return None
+        luma = planes.y
+        to_canvas = self._canvas() @ programme_matrix(edl, pose, camera)
+        if self._scale < 1:  # area average first: a warp alone would alias
+            size = (max(2, round(luma.shape[1] * self._scale)), max(2, round(luma.shape[0] * self._scale)))
+            to_canvas = to_canvas @ _enlarging(size, (luma.shape[1], luma.shape[0]))
+            luma = np.asarray(cv2.resize(luma, size, interpolation=cv2.INTER_AREA), np.uint8)
+        size = tuple(round(v * self._scale * (1 + 2 * _MARGIN)) for v in edl.size)
+        seen = cv2.warpPerspective(np.full_like(luma, 255), to_canvas, size, flags=cv2.INTER_NEAREST)
+        return np.asarray(cv2.warpPerspective(luma, to_canvas, size), np.uint8), np.asarray(seen, np.uint8)
+
+    def _canvas(self) -> Matrix:
+        """Programme pixel -> pixel of the pictures compared."""
+        width, height = self._edl.size
+        return np.diag([self._scale, self._scale, 1.0]) @ translation(_MARGIN * width, _MARGIN * height)
+
+
+def _enlarging(small: tuple[int, int], large: tuple[int, int]) -> Matrix:
+    """A reduced picture's pixel -> the large one's, pixel centres at integers."""
+    x, y = (b / a for a, b in zip(small, large, strict=True))
+    return np.array([[x, 0, (x - 1) / 2], [0, y, (y - 1) / 2], [0, 0, 1]])
+
+
+def residual_parallax(guide: U8, guide_seen: U8, picture: U8, picture_seen: U8, sigma_px: float) -> Values | None:
+    """(h, w, 2): where ``picture`` has what ``guide`` has at a pixel, as a way from it; None if that is no better.
+
+    Both are (h, w) luma in one coordinate system, 0 in the masks where they see nothing. Brightness and contrast may
+    differ. sigma_px: how smooth, in pixels; where both see too little the way is that of wider surroundings.
+    """
+    shared = cv2.min(guide_seen, picture_seen)
+    both = np.asarray(cv2.erode(shared, np.ones((9, 9), np.uint8), borderType=cv2.BORDER_CONSTANT), np.uint8)
+    if np.count_nonzero(both) < 32 * 32:
+        return None
+    a, b = (_levelled(luma, seen) for luma, seen in ((guide, guide_seen), (picture, picture_seen)))
+    there, back = _flow(a, b, both), _flow(b, a, both)
+    weight = _agreement(a, b, both, there, back)
+    if weight[both > 0].mean() < _LEAST_AGREEMENT:
+        return None
+    smooth = _smoothed(there, weight, sigma_px)
+    before, after = (_difference(a, b, both, way) for way in (None, smooth))
+    return smooth if after < min(before, _UNLIKE) else None
+
+
+def _flow(a: U8, b: U8, both: U8) -> Values:
+    """(h, w, 2) by DIS, with larger patches than its presets have: they lose a tube on plain cloth 20 pixels away."""
+    dis = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
+    dis.setFinestScale(0)
+    dis.setPatchSize(12)
+    dis.setPatchStride(4)
+    dis.setGradientDescentIterations(50)
+    dis.setVariationalRefinementIterations(10)
+    return dis.calc(a, np.where(both > 0, b, a), None)  # pyright: ignore
+
+
+def _levelled(luma: U8, seen: U8) -> U8:
+    """Surroundings' brightness and contrast taken out."""
+    inside: Values = seen.astype(np.float32) / np.float32(255)
+    share: Values = _blurred(inside, _LOCAL) + np.float32(1e-6)
+    above = luma.astype(np.float32) - _blurred(luma * inside, _LOCAL) / share
+    spread: Values = np.sqrt(_blurred(np.square(above) * inside, _LOCAL) / share + 16)
+    return np.where(seen > 0, np.clip(128 + _CONTRAST * above / spread, 0, 255), 128).astype(np.uint8)
+
+
+def _agreement(a: U8, b: U8, both: U8, there: Values, back: Values) -> Values:
+    """0..1: how much a pixel's flow is to be trusted: something is to be seen, it fits, and it leads there and back."""
+    texture = cv2.blur(cv2.magnitude(cv2.Sobel(a, cv2.CV_32F, 1, 0), cv2.Sobel(a, cv2.CV_32F, 0, 1)), (9, 9))
+    found, inside = _along(b, there), (both > 0) & (_along(both, there, cv2.INTER_NEAREST) > 0)
+    error = cv2.blur(cv2.absdiff(a, found).astype(np.float32), (9, 9))
+    missed = np.square(there + _along(back, there)).sum(axis=2)
+    near = np.square(there).sum(axis=2) < (_MOST * a.shape[1]) ** 2
+    fits = np.minimum(texture / 20, 1) * np.exp(-((error / 20) ** 2) - missed / _MISSED**2)
+    return np.asarray(inside * near * fits, np.float32)
+
+
+def _along(picture: NDArray[Any], way: Values, flags: int = cv2.INTER_LINEAR) -> NDArray[Any]:
+    y, x = np.mgrid[0 : picture.shape[0], 0 : picture.shape[1]].astype(np.float32)
+    return cv2.remap(picture, x + way[..., 0], y + way[..., 1], flags)  # pyright: ignore[reportReturnType]
+
+
+def _difference(a: U8, b: U8, both: U8, way: Values | None) -> float:
+    found = b if way is None else _along(b, way)
+    return float(cv2.absdiff(a, found)[both > 0].mean())
+
+
+def _smoothed(flow: Values, weight: Values, sigma_px: float) -> Values:
+    """Normalised convolution (Knutsson and Westin 1993), wider ones where the weights are next to nothing."""
+    total, share = np.zeros_like(flow), np.full(weight.shape, 1e-12, np.float32)
+    for times, part in ((1, 1.0), *_FURTHER):
+        total += part * np.stack([_blurred(flow[..., i] * weight, times * sigma_px) for i in (0, 1)], axis=-1)
+        share += part * _blurred(weight, times * sigma_px)
+    return total / share[..., None]
+
+
+def _blurred(values: Values, sigma: float) -> Values:
+    """A Gaussian, nothing beyond the edge; wide ones on a coarser grid."""
+    factor = 2 ** max(0, int(np.log2(max(sigma / 4, 1))))
+    if factor == 1:
+        return np.asarray(cv2.GaussianBlur(values, (0, 0), sigma, borderType=cv2.BORDER_CONSTANT), np.float32)
+    height, width = values.shape
+    small = cv2.resize(values, (-(-width // factor), -(-height // factor)), interpolation=cv2.INTER_AREA)
+    small = cv2.GaussianBlur(small, (0, 0), sigma / factor, borderType=cv2.BORDER_CONSTANT)
+    return np.asarray(cv2.resize(small, (width, height), interpolation=cv2.INTER_LINEAR), np.float32)
