@@ -16,7 +16,7 @@ import math
 import platform
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from datetime import date
 from pathlib import Path
 
@@ -32,7 +32,7 @@ from mcsl_core.compositor import Compositor, block_frames
 from mcsl_core.decisions import resolve, shift_at
 from mcsl_core.filling import Filler, FootprintFiller, ReferenceFiller
 from mcsl_core.footage import Footage
-from mcsl_core.images import Planes, planes_to_bgr
+from mcsl_core.images import Planes, median_planes, planes_to_bgr
 from mcsl_core.placement import programme_matrix, still_range
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import Truth, load_truth
@@ -78,6 +78,10 @@ class EmptyRoom(Footage):
 
     def player(self, camera: str) -> _Empty:  # pyright: ignore[reportIncompatibleMethodOverride]
         return _Empty(self, camera)
+
+    def median(self, camera: str, frames: Sequence[int], within: FrameRange) -> Planes | None:
+        pictures = [picture for frame in frames if (picture := self.moment(camera, frame)) is not None]
+        return median_planes(pictures) if pictures else None
 
     def moment(self, camera: str, frame: int) -> Planes | None:
         own = self._truth.own_frame(camera, frame)

@@ -13,11 +13,10 @@ from itertools import chain
 import attrs
 from attrs import frozen
 
-from .colour import apply
 from .decisions import Decision, resolve, shift_at
 from .edl import Edl, Look
 from .eye import Eye
-from .filling import Filler, FootprintFiller, Rect, ShowOrigin
+from .filling import Filler, FootprintFiller, ShowOrigin
 from .footage import Footage
 from .frame_view import FrameView
 from .images import Planes, black
@@ -124,8 +123,7 @@ class Compositor:
         return _Made(perspective, self._frame(frame, decision, number, known))
 
     def _frame(self, frame: int, decision: Decision, number: int, previous: Planes | None) -> Planes:
-        edl, pose = self.edl, self.edl.poses[number]
-        camera = decision.camera
+        edl, camera = self.edl, decision.camera
         planes = self._eye.picture(camera, frame)
         if planes is None and camera != edl.reference:
             camera = edl.reference
@@ -133,15 +131,11 @@ class Compositor:
         if planes is None:
             return black(edl.size)
         offset = shift_at(edl, decision, frame)
-        match = pose.colour.get(camera) if decision.colour else None
-        if match is not None:
-            planes = apply(planes, match)
-        front = self._eye.warped(planes, number, camera, offset, Rect(0, 0, *edl.size))
         steady = all(shift_at(edl, decision, near) == offset for near in (frame - 1, frame + 1))
-        view = FrameView(self._eye, frame, camera, front, number, offset, decision.colour, steady, previous)
+        view = FrameView(self._eye, frame, camera, number, offset, decision.colour, steady, previous)
         if decision.fill and self._eye.knows(number, camera):
             return self.filler.fill(view)
-        return self.filler.bare(view) if isinstance(self.filler, ShowOrigin) else front
+        return self.filler.bare(view) if isinstance(self.filler, ShowOrigin) else view.front
 
 
 def _looked(decision: Decision, look: Look | None) -> Decision:

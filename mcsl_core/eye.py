@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from contextlib import ExitStack, closing
 from typing import Any
 
@@ -66,6 +66,10 @@ class Eye:
             self._players[camera] = self._stack.enter_context(closing(self.footage.player(camera)))
         return self._players[camera].at(frame)
 
+    def median(self, camera: str, moments: Sequence[int]) -> Planes | None:
+        """The median of the camera's own pictures near ``moments`` of one pose."""
+        return self.footage.median(camera, moments, self.still[self.pose_number(moments[0])])
+
     def pose_number(self, frame: int) -> int:
         return bisect_right(self.edl.poses, frame, key=lambda pose: pose.range.start) - 1
 
@@ -107,22 +111,24 @@ class Eye:
         key = number, camera, edge, offset, rect
         return remap_planes(planes, self._maps.of(key, make, _size) if again else make(), self._resampling)
 
-    def bent_edge(self, number: int, camera: str, offset: Offset) -> U8:
-        """(height / 2, width / 2): 255 where `straightened` towards the edge is not `warped`."""
-        bend = self._bend(number, camera, edge=True)
-        width, height = self.edl.size
-        return np.zeros((height // 2, width // 2), np.uint8) if bend is None else bend.reach(self.edl.size, offset)
-
     def change(
-        self, number: int, camera: str, offset: Offset, now: Planes | None, before: Planes | None
+        self, number: int, camera: str, offset: Offset, frame: int, moments: tuple[int, ...]
     ) -> NDArray[np.float32]:
-        """By how many codes two pictures of ``camera`` differ in each cell of the programme; see `filling.View`."""
+        """By how many codes a picture differs from a median in each cell of the programme; see `filling.View`."""
         size = (-(-self.edl.size[0] // CELL), -(-self.edl.size[1] // CELL))
+        now, before = self.picture(camera, frame), self._median_cells(camera, moments)
         if now is None or before is None or not self.knows(number, camera):
             return np.zeros(size[::-1], np.float32)
-        difference = np.max([cv2.absdiff(*pair) for pair in zip(_cells(now), _cells(before), strict=True)], axis=0)
+        difference = np.max([cv2.absdiff(*pair) for pair in zip(_cells(now), before, strict=True)], axis=0)
         matrix = _TO_CELL @ self._matrix(number, camera, offset) @ np.linalg.inv(_TO_CELL)
         return np.asarray(cv2.warpPerspective(difference.astype(np.float32), matrix, size), np.float32)
+
+    def _median_cells(self, camera: str, moments: tuple[int, ...]) -> list[U8] | None:
+        def make() -> list[U8] | None:
+            planes = self.median(camera, moments)
+            return None if planes is None else _cells(planes)
+
+        return self.patches.of((camera, moments), make, lambda cells: 3 * cells[0].size)
 
     def _bend(self, number: int, camera: str, edge: bool) -> Bend | None:
         if not edge:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .colour import apply
 from .eye import Eye, Offset
 from .filling import Rect
-from .images import U8, Planes, blurred
+from .images import U8, Planes, black, blurred
 from .placement import elsewhere
 from .timing import FrameRange
 
@@ -26,12 +26,19 @@ class FrameView:
     eye: Eye
     frame: int
     camera: str
-    front: Planes
     number: int
     offset: Offset
     colour: bool
     steady: bool  # the centering stands still
     previous: Planes | None = field(default=None)
+    _front: list[Planes] = field(factory=list, init=False)
+
+    @property
+    def front(self) -> Planes:
+        if not self._front:
+            planes = self.look(self.camera, Rect(0, 0, *self.size))
+            self._front.append(black(self.size) if planes is None else planes)
+        return self._front[0]
 
     @property
     def rate(self) -> float:
@@ -64,8 +71,7 @@ class FrameView:
         return dx, dy
 
     def change(self, camera: str, moments: Sequence[int]) -> NDArray[np.float32]:
-        now, before = self.eye.picture(camera, self.frame), self.eye.footage.median(camera, moments)
-        return self.eye.change(self.number, camera, self.offset, now, before)
+        return self.eye.change(self.number, camera, self.offset, self.frame, tuple(moments))
 
     def _is_front(self, number: int, camera: str) -> bool:
         return (number, camera) == (self.number, self.camera)
@@ -76,13 +82,6 @@ class FrameView:
         mask = self.eye.footprint(number, camera, self._about(), without_parallax=without_parallax, edge=edge)
         if not self.steady:  # shared by offsets up to half the grid away: seen by all of them
             mask = cv2.erode(mask, np.ones((3, 3), np.uint8), borderType=cv2.BORDER_REPLICATE)
-        return mask  # pyright: ignore[reportReturnType]
-
-    @property
-    def bent_edge(self) -> U8:
-        mask = self.eye.bent_edge(self.number, self.camera, self._about())
-        if not self.steady:
-            mask = cv2.dilate(mask, np.ones((3, 3), np.uint8))
         return mask  # pyright: ignore[reportReturnType]
 
     def look(
@@ -100,7 +99,7 @@ class FrameView:
 
         def make() -> Planes | None:
             number = self.eye.pose_number(moments[0])
-            planes = self.eye.footage.median(camera, moments) if self.eye.knows(number, camera) else None
+            planes = self.eye.median(camera, moments) if self.eye.knows(number, camera) else None
             return self._look(camera, rect, planes, number, blur_px, without_parallax)
 
         if not self.steady:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .edl import Edl
-from .filling import MOMENT_S
+from .filling import first_looks, grid_step
 from .footage import Footage
 from .images import U8
 from .placement import first_of_perspective, programme_matrix, still_range
@@ -36,7 +36,6 @@ _CONTRAST = 40.0  # what surroundings are levelled to
 _UNLIKE = 0.65 * _CONTRAST  # mean difference after bending; pictures of one scene: 0.28 to 0.61, unrelated: 0.71 on
 _NODE = 4  # compared pixels between nodes
 _LOCAL = 12.0  # sigma of the surroundings whose brightness and contrast are taken out, compared pixels
-_LOOKS = 9  # at most ten seconds apart: somebody who stays is not to be taken for what lies there
 _KEPT = 64  # bends, 80 kB each
 
 Values = NDArray[np.float32]
@@ -80,8 +79,7 @@ class Parallax:
         edl = self._edl
         pose = edl.poses[number]
         still = still_range(edl, pose)
-        step = max(1, min(round(MOMENT_S * edl.rate), len(still) // _LOOKS))
-        planes = self._footage.median(camera, range(still.start + step // 2, still.stop, step)[:_LOOKS])
+        planes = self._footage.median(camera, first_looks(still, grid_step(still, float(edl.rate))), still)
         if planes is None:
             return None
         luma = planes.y
@@ -127,13 +125,10 @@ def residual_parallax(guide: U8, guide_seen: U8, picture: U8, picture_seen: U8, 
 
 
 def _flow(a: U8, b: U8, both: U8) -> Values:
-    """(h, w, 2) by DIS, with larger patches than its presets have: they lose a tube on plain cloth 20 pixels away."""
+    """(h, w, 2) by DIS, its patches larger than the preset's: those lose a tube 20 pixels away on plain cloth."""
     dis = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
-    dis.setFinestScale(0)
     dis.setPatchSize(12)
     dis.setPatchStride(4)
-    dis.setGradientDescentIterations(50)
-    dis.setVariationalRefinementIterations(10)
     return dis.calc(a, np.where(both > 0, b, a), None)  # pyright: ignore
 
 

@@ -137,25 +137,17 @@ class Bend:
         left = np.clip(1 - depth, 0, 1)
         return Bend(self.shift * (left * left * (3 - 2 * left))[..., None].astype(np.float32), self.corner, self.step)
 
-    def reach(self, size: tuple[int, int], offset: tuple[float, float]) -> U8:
-        """(height / 2, width / 2) of a programme of ``size``: 255 where it moves anything that one could see."""
-        x, y = np.meshgrid(
-            np.arange(0, size[0], 2, dtype=np.float32) - np.float32(offset[0]),
-            np.arange(0, size[1], 2, dtype=np.float32) - np.float32(offset[1]),
-        )
-        return np.where(np.abs(self.at(x, y)).max(axis=2) > 1 / 32, 255, 0).astype(np.uint8)
-
 
 @frozen(eq=False)
 class Maps:
-    """Where in the camera's planes each luma and each chroma sample of a rectangle lies; as `cv2.remap` takes it."""
+    """Where in the camera's planes each luma and each chroma sample of a rectangle lies: (h, w, 2) float32, x and y."""
 
-    luma: tuple[NDArray[np.int16], NDArray[np.uint16]]
-    chroma: tuple[NDArray[np.int16], NDArray[np.uint16]]
+    luma: NDArray[np.float32]
+    chroma: NDArray[np.float32]
 
     @property
     def nbytes(self) -> int:
-        return sum(part.nbytes for part in (*self.luma, *self.chroma))
+        return self.luma.nbytes + self.chroma.nbytes
 
 
 def bent_maps(matrix: Matrix, bend: Bend, rect: Rect, offset: tuple[float, float] = (0.0, 0.0)) -> Maps:
@@ -163,28 +155,38 @@ def bent_maps(matrix: Matrix, bend: Bend, rect: Rect, offset: tuple[float, float
 
     Worked out at every eighth pixel and linear between: a homography of a lamp's camera bends by 0.01 pixels there.
     """
-    columns, rows = (-(-n // _NODE) + 2 for n in (rect.width, rect.height))
+    left, top = rect.x - offset[0], rect.y - offset[1]
+    luma = _map(matrix, bend, (left, top), (rect.width, rect.height), _NODE)
+    # In chroma samples, of which (i, j) lies at luma (2 i, 2 j + 1/2): half a luma pixel left of its cell's middle.
+    half = (rect.width // 2, rect.height // 2)
+    return Maps(luma, _map(matrix @ _CHROMA, bend, (left - 0.5, top), half, _NODE // 2))
+
+
+def _map(
+    matrix: Matrix, bend: Bend, corner: tuple[float, float], size: tuple[int, int], samples: int
+) -> NDArray[np.float32]:
+    """(h, w, 2): where in the camera's plane lies what is seen at nodes `_NODE` pixels apart; ``samples`` a node."""
+    # `cv2.resize` sets node k in the middle of its samples and ends with the outermost: one more each side.
+    columns, rows = (-(-n // samples) + 2 for n in size)
     x, y = np.meshgrid(
-        np.arange(columns, dtype=np.float32) * _NODE + np.float32(rect.x - offset[0] - _NODE / 2 - 0.5),
-        np.arange(rows, dtype=np.float32) * _NODE + np.float32(rect.y - offset[1] - _NODE / 2 - 0.5),
+        *(
+            (np.arange(n, dtype=np.float32) - 0.5) * _NODE - 0.5 + c
+            for n, c in zip((columns, rows), corner, strict=True)
+        )
     )
+    x, y = x.astype(np.float32), y.astype(np.float32)
     at = (np.stack([x, y], axis=-1) + bend.at(x, y)).astype(np.float64)
     nodes = cv2.perspectiveTransform(at, np.linalg.inv(matrix)).astype(np.float32)
-    # `cv2.resize` sets node i at pixel 8 i + 3.5; one node more on each side, since it does not go on beyond the last.
-    wide = cv2.resize(nodes, (_NODE * columns, _NODE * rows), interpolation=cv2.INTER_LINEAR)
-    luma = wide[_NODE : _NODE + rect.height, _NODE : _NODE + rect.width]
-    chroma = (luma[0::2, 0::2] + luma[1::2, 0::2]) / 4 - np.array([0, 0.25], np.float32)
-    return Maps(*(cv2.convertMaps(m, None, cv2.CV_16SC2) for m in (luma, chroma)))  # pyright: ignore
+    wide = cv2.resize(nodes, (samples * columns, samples * rows), interpolation=cv2.INTER_LINEAR)
+    return np.asarray(wide[samples : samples + size[1], samples : samples + size[0]], np.float32)
 
 
 def remap_planes(planes: Planes, maps: Maps, resampling: Resampling = "linear") -> Planes:
     """What lies in the rectangle of ``maps``, black outside the picture."""
     flags = cv2.INTER_LINEAR if resampling == "linear" else cv2.INTER_LANCZOS4
     found = []
-    for index, (plane, (at, between)) in enumerate(zip(planes, (maps.luma, maps.chroma, maps.chroma), strict=True)):
-        out: U8 = cv2.remap(  # pyright: ignore[reportAssignmentType]
-            plane, at, between, flags, borderMode=cv2.BORDER_CONSTANT, borderValue=BLACK[index]
-        )
+    for index, (plane, at) in enumerate(zip(planes, (maps.luma, maps.chroma, maps.chroma), strict=True)):
+        out = _remapped(plane, at, flags, BLACK[index])
         found.append(out if resampling == "linear" else _limited(out, plane, index))
     return Planes(*found)
 
@@ -192,4 +194,9 @@ def remap_planes(planes: Planes, maps: Maps, resampling: Resampling = "linear") 
 def bent_footprint(size: tuple[int, int], maps: Maps) -> U8:
     """As `footprint`, where the picture is bent."""
     inside = np.full((size[1] // 2, size[0] // 2), 255, np.uint8)
-    return cv2.remap(inside, *maps.chroma, cv2.INTER_LINEAR)  # pyright: ignore[reportReturnType]
+    return _remapped(inside, maps.chroma, cv2.INTER_LINEAR, 0)
+
+
+def _remapped(plane: U8, at: NDArray[np.float32], flags: int, black: int) -> U8:
+    # Fixed-point maps, which older OpenCVs liked best, take twice as long as these.
+    return cv2.remap(plane, at, None, flags, borderMode=cv2.BORDER_CONSTANT, borderValue=black)  # pyright: ignore

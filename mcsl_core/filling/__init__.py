@@ -6,19 +6,20 @@ cameras through the same eye, piece by piece, now and at other moments. Everythi
 
 from .closeness import viewpoint_difference
 from .footprint import FootprintFiller
-from .moments import MOMENT_S
+from .moments import first_looks, grid_step
 from .origin import ShowOrigin
 from .reference import ReferenceFiller
 from .view import CELL, Filler, Rect, View
 
 __all__ = [
     "CELL",
-    "MOMENT_S",
     "Filler",
     "FootprintFiller",
     "Rect",
     "ReferenceFiller",
     "ShowOrigin",
     "View",
+    "first_looks",
+    "grid_step",
     "viewpoint_difference",
 ]

@@ -47,7 +47,9 @@ class FootprintFiller:
             absent |= gone  # a gap in a camera's pictures: as if it were not there
         if not made.patches:
             return view.front
-        out = Planes(*(plane.copy() for plane in view.front))
+        # The chosen camera's picture bends over into the others', so that what lies across its edge goes on there.
+        front = view.look(view.camera, Rect(0, 0, *view.size), without_parallax=True) or view.front
+        out = Planes(*(plane.copy() for plane in front))
         hidden = covered(view, made)
         wide = {index: (box, _picture(view, made.sources[index], box, hidden)) for index, box in made.boxes.items()}
         for patch in made.patches:
@@ -73,7 +75,7 @@ def _make(out: Planes, view: View, sources: Sequence[Source], patch: Patch, wide
     target = patch.rect.of(out)
     pictures = []
     for layer in patch.layers:
-        if layer.source == 0 and not patch.bent:
+        if layer.source == 0:
             pictures.append(target)
         elif layer.source in wide:
             box, seen = wide[layer.source]

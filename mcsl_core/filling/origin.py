@@ -119,10 +119,6 @@ class _Tinted:
         return self.view.geometry
 
     @property
-    def bent_edge(self) -> U8:
-        return self.view.bent_edge
-
-    @property
     def previous(self) -> Planes | None:
         return self.view.previous
 

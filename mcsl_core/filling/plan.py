@@ -34,15 +34,11 @@ class Layer:
 
 @frozen(eq=False)
 class Patch:
-    """A piece to make: sources from front to back, the last of them alone (``solid``) or over black.
-
-    bent: the chosen camera's picture is not everywhere as it was warped.
-    """
+    """A piece to make: sources from front to back, the last of them alone (``solid``) or over black."""
 
     rect: Rect
     layers: tuple[Layer, ...]
     solid: bool
-    bent: bool
 
 
 @frozen(eq=False)
@@ -58,7 +54,7 @@ def plan(view: View, absent: frozenset[Source], feather_px: float) -> Plan:
     feather = feather_px / 2  # the footprints are half size
     if view.footprint(view.camera).min() == 255:
         return Plan((Source(view.camera),), ())
-    front, bent = view.footprint(view.camera, without_parallax=True), view.bent_edge > 0
+    front = view.footprint(view.camera, without_parallax=True)
     sources, masks = [Source(view.camera)], [front]
     shares = [_alpha(front, feather)]
     left = 1 - shares[0]
@@ -91,16 +87,16 @@ def plan(view: View, absent: frozenset[Source], feather_px: float) -> Plan:
     edge = _weights(np.maximum.reduce(masks))  # where nobody sees on: as smooth as the footprints are
     seen = np.maximum(1 - left, 1e-4)
     shares = [np.where(left < 0.9999, share / seen, 0) * edge for share in shares]
-    patches = tuple(_patches(shares, bent))
+    patches = tuple(_patches(shares))
     second = next((i for i, source in enumerate(sources) if i and source.live), None)
     both = None if second is None else _cells(view, cv2.min(masks[0], masks[second]))
-    return Plan(tuple(sources), patches, both, _boxes(sources, patches))
+    return Plan(tuple(sources), patches, both, _boxes(patches))
 
 
-def _patches(shares: Sequence[Weight], bent: NDArray[np.bool_]) -> Iterator[Patch]:
-    """Rectangles that cover all that is not the front alone and as it is, each with the sources that show in it."""
+def _patches(shares: Sequence[Weight]) -> Iterator[Patch]:
+    """Rectangles that cover all that is not the front alone, each with the sources that show in it."""
     black = 1 - np.sum(shares, axis=0)
-    visible = [*(share > 1 / 512 for share in (*shares, black)), bent]
+    visible = [share > 1 / 512 for share in (*shares, black)]
     for rect, members in strips(visible):
         part = (slice(rect.y // 2, (rect.y + rect.height) // 2), slice(rect.x // 2, (rect.x + rect.width) // 2))
         solid = len(shares) not in members
@@ -111,26 +107,26 @@ def _patches(shares: Sequence[Weight], bent: NDArray[np.bool_]) -> Iterator[Patc
             share = np.maximum(shares[name][part], 0)
             behind = behind + share
             layers.append(_layer(name, np.where(behind > 1e-4, share / np.maximum(behind, 1e-4), 0)))
-        yield Patch(rect, tuple(reversed(layers)), solid, len(shares) + 1 in members)
+        yield Patch(rect, tuple(reversed(layers)), solid)
 
 
-def _boxes(sources: Sequence[Source], patches: Sequence[Patch]) -> dict[int, Rect]:
-    """Of each camera that is decoded all along the rectangle around its patches, where they fill a third of it.
+def _boxes(patches: Sequence[Patch]) -> dict[int, Rect]:
+    """For each source behind the first the rectangle around its patches, where they fill a third of it.
 
     One look of 1920x1080 pixels takes as long as 40 that together are half as large.
     """
+    rects: dict[int, list[Rect]] = {}
+    for patch in patches:
+        for layer in patch.layers:
+            if layer.source:
+                rects.setdefault(layer.source, []).append(patch.rect)
     boxes = {}
-    for index, source in enumerate(sources):
-        if index == 0 or not source.live:
-            continue
-        rects = [patch.rect for patch in patches if any(layer.source == index for layer in patch.layers)]
-        if not rects:
-            continue
-        x, y = min(r.x for r in rects), min(r.y for r in rects)
-        right, bottom = max(r.x + r.width for r in rects), max(r.y + r.height for r in rects)
+    for source, own in rects.items():
+        x, y = min(r.x for r in own), min(r.y for r in own)
+        right, bottom = max(r.x + r.width for r in own), max(r.y + r.height for r in own)
         box = Rect(x, y, right - x, bottom - y)
-        if 3 * sum(r.width * r.height for r in rects) >= box.width * box.height:
-            boxes[index] = box
+        if 3 * sum(r.width * r.height for r in own) >= box.width * box.height:
+            boxes[source] = box
     return boxes
 
 

@@ -86,11 +86,6 @@ class View(Protocol):
         """The finished programme frame before this one, where the filler asked for a memory."""
         ...
 
-    @property
-    def bent_edge(self) -> U8:
-        """(height / 2, width / 2): 255 where `look` at the chosen camera without parallax is not `front`."""
-        ...
-
     def footprint(self, camera: str, frame: int | None = None, *, without_parallax: bool = False) -> U8:
         """(height / 2, width / 2): 255 where that camera sees the programme, less at its very edge.
 

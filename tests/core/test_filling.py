@@ -66,10 +66,6 @@ class Scene:
     def seen(self, camera, frame):
         return self.pose(self.frame if frame is None else frame)[1].get(camera, self.columns[camera])
 
-    @property
-    def bent_edge(self):
-        return np.zeros((SIZE[1] // 2, SIZE[0] // 2), np.uint8)
-
     def change(self, camera, moments):
         return np.zeros((-(-SIZE[1] // 16), -(-SIZE[0] // 16)), np.float32)
 
