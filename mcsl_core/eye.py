@@ -181,9 +181,9 @@ class Kept:
 
 
 def _cells(planes: Planes) -> list[U8]:
-    """Each plane's means over 16 x 16 pixels, of every second or fourth sample: noise is not what is looked for."""
+    """Each plane's means over 16 x 16 pixels, of every fourth or eighth sample: noise is not what is looked for."""
     size = (-(-planes.size[0] // CELL), -(-planes.size[1] // CELL))
-    parts = (planes.y[::4, ::4], planes.u[::2, ::2], planes.v[::2, ::2])
+    parts = (planes.y[::8, ::8], planes.u[::4, ::4], planes.v[::4, ::4])
     return [np.asarray(cv2.resize(part, size, interpolation=cv2.INTER_AREA), np.uint8) for part in parts]
 
 

@@ -10,11 +10,13 @@ that is late by two frames at most is muxers' rounding, and the first picture st
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from threading import Lock
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +30,7 @@ from .sound import sound_blocks
 from .timing import FrameRange
 from .video import probe, to_planes
 
-_KEPT_MEDIANS = 16  # 3 MB each at 1080p
+_KEPT_MEDIANS, _KEPT_NEAR = 16, 40  # 3 MB each at 1080p
 
 
 class Player:
@@ -73,7 +75,8 @@ class Footage:
         self._threads = threads
         self._by_name = {camera.name: camera for camera in self.cameras}
         self._parts: dict[str, tuple[Part, ...]] = {}
-        self._medians: dict[tuple[str, tuple[int, ...]], Planes | None] = {}
+        self._medians: dict[Any, Planes | None] = {}
+        self._near: dict[Any, Planes | None] = {}
         self._lock = Lock()
 
     def camera(self, name: str) -> Camera:
@@ -114,28 +117,36 @@ class Footage:
         The latest medians are kept, for whoever asks next.
         """
         key = camera, tuple(frames)
-        with self._lock:
-            if key in self._medians:
-                self._medians[key] = self._medians.pop(key)  # the latest used is the last to go
-                return self._medians[key]
-        median = self._median(camera, frames, within)
-        with self._lock:
-            self._medians.pop(key, None)
-            while len(self._medians) >= _KEPT_MEDIANS:
-                del self._medians[next(iter(self._medians))]
-            self._medians[key] = median
-        return median
+        return self._kept(self._medians, _KEPT_MEDIANS, key, lambda: self._median(camera, frames, within))
 
     def _median(self, camera: str, frames: Sequence[int], within: FrameRange) -> Planes | None:
-        head, pictures = Playhead(self.parts(camera), threads=self._threads), []
         half_way = min((b - a for a, b in zip(frames, frames[1:], strict=False)), default=0) / 2
-        with closing(head):
-            for frame in frames:
-                if not self.has_gap(camera, frame):
-                    reach = min(half_way, frame - within.start, within.stop - 1 - frame)
-                    shown = head.keyframe(self.camera_time(camera, frame), Fraction(reach) / self.rate)
-                    pictures += [] if shown is None else [self.full_picture(camera, shown)]
+        with closing(Playhead(self.parts(camera), threads=self._threads)) as head:
+
+            def near(frame: int) -> Planes | None:
+                if self.has_gap(camera, frame):
+                    return None
+                reach = min(half_way, frame - within.start, within.stop - 1 - frame)
+                shown = head.keyframe(self.camera_time(camera, frame), Fraction(reach) / self.rate)
+                return None if shown is None else self.full_picture(camera, shown)
+
+            keys = [(camera, frame, half_way, within) for frame in frames]
+            found = [self._kept(self._near, _KEPT_NEAR, key, partial(near, key[1])) for key in keys]
+        pictures = [picture for picture in found if picture is not None]
         return median_planes(pictures) if pictures else None
+
+    def _kept(self, kept: dict[Any, Planes | None], most: int, key: Any, make: Callable[[], Planes | None]):
+        with self._lock:
+            if key in kept:
+                kept[key] = kept.pop(key)  # the latest used is the last to go
+                return kept[key]
+        planes = make()
+        with self._lock:
+            kept.pop(key, None)
+            while len(kept) >= most:
+                del kept[next(iter(kept))]
+            kept[key] = planes
+        return planes
 
     def planes(self, camera: str, piece: FrameRange) -> Iterator[Planes | None]:
         """Full-size pictures, (W, H) of the camera, one for each programme frame of ``piece``; None without picture.

@@ -10,7 +10,9 @@ over 1/96 of the width; beyond their overlap it goes on as near it.
 
 from __future__ import annotations
 
+import os
 from collections import OrderedDict
+from concurrent.futures import ThreadPoolExecutor
 from threading import Lock
 from typing import Any
 
@@ -18,6 +20,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from .decisions import placed
 from .edl import Edl
 from .filling import first_looks, grid_step
 from .footage import Footage
@@ -53,12 +56,20 @@ class Parallax:
     def of(self, number: int, camera: str) -> Bend | None:
         """For the picture of ``camera`` in pose ``number``; None where it lies right, or nothing says how it lies."""
         key = number, camera
-        with self._lock:  # one at a time: others would wait for the same pictures
+        with self._lock:  # one pose at a time: others would wait for the same pictures
             if key not in self._kept:
-                self._kept[key] = self._found(number, camera)
-                if len(self._kept) > _KEPT:
+                self._kept |= self._of_pose(number)
+                while len(self._kept) > _KEPT:
                     self._kept.popitem(last=False)
-            return self._kept[key]
+            return self._kept.get(key)
+
+    def _of_pose(self, number: int) -> dict[tuple[int, str], Bend | None]:
+        """Of all cameras whose place is known, side by side: whoever asks for one asks for most."""
+        pose = self._edl.poses[number]
+        names = [camera.name for camera in self._edl.cameras if placed(self._edl, pose, camera.name) is not None]
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            found = list(pool.map(lambda name: self._found(number, name), names))
+        return {(number, name): bend for name, bend in zip(names, found, strict=True)}
 
     def _found(self, number: int, camera: str) -> Bend | None:
         base = first_of_perspective(self._edl, number)

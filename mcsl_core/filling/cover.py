@@ -27,11 +27,18 @@ class Cover:
 
     cells: Weight
 
-    def over(self, rect: Rect) -> tuple[Weight, Weight]:
-        """At the luma and at the chroma samples of ``rect``."""
-        return self._at(rect, 1), self._at(rect, 2)
+    def within(self, rect: Rect) -> Rect | None:
+        """The part of ``rect`` outside of which nobody is in the way; None without any."""
+        x, y, width, height = cv2.boundingRect((self.cells > 1 / 512).astype(np.uint8))
+        left, top = max(rect.x, CELL * (x - 1)), max(rect.y, CELL * (y - 1))
+        right, bottom = (
+            min(rect.x + rect.width, CELL * (x + width + 1)),
+            min(rect.y + rect.height, CELL * (y + height + 1)),
+        )
+        return Rect(left, top, right - left, bottom - top) if width and left < right and top < bottom else None
 
-    def _at(self, rect: Rect, step: int) -> Weight:
+    def over(self, rect: Rect, step: int) -> Weight:
+        """At every ``step``-th pixel of ``rect``: 1 for luma samples, 2 for chroma samples."""
         cell = CELL // step
         matrix = np.array([[cell, 0, cell / 2 - 0.5 - rect.x / step], [0, cell, cell / 2 - 0.5 - rect.y / step]])
         size = (rect.width // step, rect.height // step)
@@ -52,9 +59,10 @@ def covered(view: View, plan: Plan) -> Covered:
     if plan.both is None:
         return {}
     camera = next(source.camera for source in plan.sources[1:] if source.live)
-    other, own = _moving(view, camera), _moving(view, view.camera)
+    other = _moving(view, camera)
     if not (other * (1 - plan.both)).any():
         return {}
+    own = _moving(view, view.camera)
     alone, seen = (_spread(plan.both * moving) for moving in (other * (1 - own), other))
     only = np.clip((alone / (seen + _LEAST) - _ALONE[0]) / (_ALONE[1] - _ALONE[0]), 0, 1)
     cells = cv2.GaussianBlur(cv2.dilate(other * only, np.ones((3, 3), np.uint8)), (0, 0), 1.0)

@@ -106,16 +106,17 @@ def _picture(view: View, source: Source, rect: Rect, hidden: Covered) -> Planes:
     picture = planes[0] if len(planes) < 2 else _mixed(planes[0], planes[1], faded(view))
     if not source.live or source.camera not in hidden:
         return picture
-    weights = hidden[source.camera].over(rect)
-    if not weights[0].any():
+    cover = hidden[source.camera]
+    part = cover.within(rect)
+    if part is None:
         return picture
-    before = _picture(view, attrs.evolve(source, moment=True), rect, {})
-    return Planes(
-        *(
-            cv2.blendLinear(old, new, weight, 1 - weight)  # pyright: ignore[reportArgumentType]
-            for old, new, weight in zip(before, picture, (weights[0], weights[1], weights[1]), strict=True)
-        )
-    )
+    before = _picture(view, attrs.evolve(source, moment=True), rect, {})  # of all of it: the same for many frames
+    out = Planes(*(plane.copy() for plane in picture))
+    inside = Rect(part.x - rect.x, part.y - rect.y, part.width, part.height)
+    weights = cover.over(part, 1), cover.over(part, 2), cover.over(part, 2)
+    for target, old, new, weight in zip(inside.of(out), inside.of(before), inside.of(picture), weights, strict=True):
+        target[:] = cv2.blendLinear(old, new, weight, 1 - weight)
+    return out
 
 
 def _mixed(a: Planes, b: Planes, share: float) -> Planes:

@@ -138,7 +138,7 @@ def _layer(source: int, weight: NDArray) -> Layer:
     return Layer(source, (half, 1 - half), (full, 1 - full))
 
 
-def strips(visible: Sequence[NDArray[np.bool_]], rows: int = 32, least: int = 16) -> list[tuple[Rect, tuple[int, ...]]]:
+def strips(visible: Sequence[NDArray[np.bool_]], rows: int = 96, least: int = 16) -> list[tuple[Rect, tuple[int, ...]]]:
     """Rectangles (in pixels twice as fine as the masks) and the masks that are true somewhere in each.
 
     Together they cover all but where the first mask alone is true. Bands of ``rows`` half-size rows are cut where the
