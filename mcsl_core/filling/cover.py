@@ -65,7 +65,7 @@ def covered(view: View, plan: Plan) -> Covered:
     own = _moving(view, view.camera)
     alone, seen = (_spread(plan.both * moving) for moving in (other * (1 - own), other))
     only = np.clip((alone / (seen + _LEAST) - _ALONE[0]) / (_ALONE[1] - _ALONE[0]), 0, 1)
-    cells = cv2.GaussianBlur(cv2.dilate(other * only, np.ones((3, 3), np.uint8)), (0, 0), 1.0)
+    cells = cv2.GaussianBlur(cv2.dilate(other * only, np.ones((5, 5), np.uint8)), (0, 0), 1.0)
     return {camera: Cover(np.asarray(cells, np.float32))} if cells.max() > 0.02 else {}
 
 

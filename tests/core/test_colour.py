@@ -139,3 +139,18 @@ def test_the_smallest_pictures_have_colours_too(size):
     found = apply(grey, as_matrix(np.array([1.0, 1.0, 1.0]), np.array([20.0, 20.0, 20.0])))
     assert [plane.shape for plane in found] == [plane.shape for plane in grey]
     assert [set(plane.ravel().tolist()) for plane in found] == [{117}, {100}, {100}]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_white_stays_white_when_only_mid_tones_are_shared(seed):
+    """Drapes and skin, nothing bright, shaded differently from where the other camera stands: folds, its own corners."""
+    rng = np.random.default_rng(seed)
+    tones = np.array([[60, 75, 35], [55, 70, 30], [48, 60, 50], [70, 85, 40]], float)
+    cloth = cv2.resize(tones[rng.integers(0, 4, (18, 32))], (640, 360), interpolation=cv2.INTER_NEAREST)
+    shade = cv2.resize(rng.uniform(0.75, 1.25, (12, 20)), (640, 360), interpolation=cv2.INTER_CUBIC)[..., None]
+    gains = rng.uniform(0.88, 1.12, 3)
+    source, target = (np.clip(v, 0, 255).astype(np.uint8) for v in (cloth / gains, cloth * shade))
+    found = match(source, target, np.full((360, 640), 255, np.uint8))
+    white = np.broadcast_to((200 / gains).clip(0, 255), (16, 16, 3)).astype(np.uint8)
+    made = planes_to_bgr(apply(bgr_to_planes(white), found))[8, 8].astype(float)
+    assert np.abs(made - 200).max() < 10

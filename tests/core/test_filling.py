@@ -313,3 +313,57 @@ def test_further_round_the_lamp_is_further_apart(angle, more, turn):
 
     front, near, far = camera(turn), camera(turn + angle), camera(turn + angle + more)
     assert viewpoint_difference(front, near, (960, 540)) < viewpoint_difference(front, far, (960, 540))
+
+
+# ------------------------------------------------------------------------------------------------ who is in the way
+
+
+@frozen(eq=False)
+class Watched(Scene):
+    """A scene in which each camera has somebody in rectangles (x, y, right, bottom) of the programme; medians do not."""
+
+    people: dict = field(factory=dict)
+
+    def change(self, camera, moments):
+        cells = np.zeros((SIZE[1] // 16, SIZE[0] // 16), np.float32)
+        for x, y, right, bottom in self.people.get(camera, ()):
+            cells[y // 16 : -(-bottom // 16), x // 16 : -(-right // 16)] = 80
+        return cells
+
+    def look(self, camera, rect, moments=(), blur_px=0.0, *, without_parallax=False):
+        planes = Scene.look(self, camera, Rect(0, 0, *SIZE), moments, blur_px)
+        if not moments:
+            for x, y, right, bottom in self.people.get(camera, ()):
+                planes.y[y:bottom, x:right] = 220
+        return rect.of(planes)
+
+
+def watched(people, camera="a"):
+    columns = {"ref": (0, 320), "a": (96, 320)}
+    view = Watched(columns, {"ref": 100, "a": 180}, camera, people=people)
+    return FootprintFiller(16).fill(view).y.astype(int)
+
+
+def test_a_head_that_only_the_other_camera_sees_does_not_come_back_at_the_edge():
+    head = (32, 48, 160, 144)
+    assert np.abs(watched({"ref": [head]})[:, :90] - 100).max() <= 3
+
+
+def test_hands_that_both_cameras_see_stay():
+    filled = watched({"ref": [(32, 64, 160, 112)], "a": [(104, 64, 176, 112)]})
+    assert (filled[70:106, 40:88] > 200).all()
+    assert np.abs(filled[:56, :90] - 100).max() <= 3
+
+
+def test_somebody_whom_nothing_tells_apart_stays():
+    """Far from the chosen camera's picture: whether it is a head or a tray is not known, and nothing is taken away."""
+    assert (watched({"ref": [(0, 64, 24, 112)]})[70:106, 4:20] > 200).all()
+
+
+def test_being_in_the_way_comes_gradually():
+    rows = []
+    for reach in range(48, 177, 16):
+        rows.append(watched({"ref": [(16, 48, reach, 144)]})[96, 40])
+    assert rows[0] > 200  # beside the chosen camera's picture
+    assert rows[-1] < 110
+    assert all(b <= a + 2 for a, b in zip(rows, rows[1:], strict=False))
