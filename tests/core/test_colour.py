@@ -143,7 +143,7 @@ def test_the_smallest_pictures_have_colours_too(size):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_white_stays_white_when_only_mid_tones_are_shared(seed):
-    """Drapes and skin, nothing bright, shaded differently from where the other camera stands: folds, its own corners."""
+    """Drapes and skin, nothing bright, shaded differently where the other camera stands: folds, its own corners."""
     rng = np.random.default_rng(seed)
     tones = np.array([[60, 75, 35], [55, 70, 30], [48, 60, 50], [70, 85, 40]], float)
     cloth = cv2.resize(tones[rng.integers(0, 4, (18, 32))], (640, 360), interpolation=cv2.INTER_NEAREST)

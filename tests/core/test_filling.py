@@ -320,7 +320,7 @@ def test_further_round_the_lamp_is_further_apart(angle, more, turn):
 
 @frozen(eq=False)
 class Watched(Scene):
-    """A scene in which each camera has somebody in rectangles (x, y, right, bottom) of the programme; medians do not."""
+    """Each camera has somebody in rectangles (x, y, right, bottom) of the programme; its medians do not."""
 
     people: dict = field(factory=dict)
 
