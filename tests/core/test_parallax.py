@@ -203,3 +203,42 @@ def test_a_frame_is_the_same_whether_made_alone_or_in_a_run(scene):
     alone = frame_of(edl, folder, filler=FootprintFiller())
     for a, b in zip(run[5], alone, strict=True):
         assert np.array_equal(a, b)
+
+
+# ------------------------------------------------------------------------------------------------------------ medians
+
+
+@pytest.fixture(scope="module")
+def rising(tmp_path_factory):
+    """40 frames, each 5 codes brighter than the one before, a keyframe at every fifth; no picture from 30 to 33."""
+    folder = tmp_path_factory.mktemp("rising")
+    lossless = Encoding(options={"preset": "ultrafast", "qp": "0"})
+    with VideoWriter(folder / "a.mp4", size=(64, 48), rate=RATE, encoding=lossless, keyframe_interval=5) as writer:
+        for n in range(40):
+            writer.write(np.full((48, 64, 3), 20 + 5 * n, np.uint8))
+    camera = Camera("a", (Media("a.mp4", 40),), (64, 48), RATE, gaps=(FrameRange(30, 34),))
+    return Footage((camera,), rate=RATE, frames=40, base=folder)
+
+
+def number(planes):
+    return round((float(planes_to_bgr(planes).mean()) - 20) / 5)
+
+
+@pytest.mark.parametrize(
+    ("frames", "within", "shown"),
+    [
+        ((7,), FrameRange(0, 40), 7),  # one alone is that frame
+        ((2, 12, 23), FrameRange(0, 40), 10),  # of keyframes 0, 10, 25
+        ((12, 22, 27), FrameRange(11, 30), 20),  # of 12 itself, since 10 lies outside, 20 and 25
+        ((12, 13, 14), FrameRange(0, 40), 13),  # none is near enough
+        ((6, 16, 31), FrameRange(0, 40), 5),  # where there is no picture is none; of two the lower
+    ],
+)
+def test_medians_take_keyframes_near_by_and_only_of_the_stretch(rising, frames, within, shown):
+    assert number(rising.median("a", frames, within)) == shown
+
+
+def test_a_median_of_nothing_is_nothing_and_one_is_made_once(rising):
+    assert rising.median("a", (31, 32), FrameRange(0, 40)) is None
+    whole = FrameRange(0, 40)
+    assert rising.median("a", (1, 9, 17), whole) is rising.median("a", (1, 9, 17), whole)
