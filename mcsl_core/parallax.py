@@ -130,7 +130,7 @@ def residual_parallax(guide: U8, guide_seen: U8, picture: U8, picture_seen: U8, 
     weight = _agreement(a, b, both, there, back)
     if weight[both > 0].mean() < _LEAST_AGREEMENT:
         return None
-    smooth = _smoothed(there, weight, sigma_px)
+    smooth = _smoothed(there, np.square(weight), sigma_px)  # where somebody stood, what lies around decides
     before, after = (_difference(a, b, both, way) for way in (None, smooth))
     return smooth if after < min(before, _UNLIKE) else None
 
