@@ -1,12 +1,12 @@
 """Which programme pixels come from a camera, and from which: the compositor and the filler run on plain pictures.
 
 Each camera's picture is one brightness all over, so what comes out is how much of it the compositor and any filler,
-built in or not, put where. Nothing is decoded.
+built in or not, put where. Nothing is decoded but the few pictures that tell the cameras' parallax.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import attrs
 import numpy as np
@@ -17,6 +17,7 @@ from .edl import Edl, Look
 from .filling import Filler
 from .footage import Footage
 from .images import U8, Planes
+from .parallax import Parallax
 from .playhead import Part, part_at
 from .timing import FrameRange
 
@@ -53,8 +54,8 @@ class _PlainFootage(Footage):
     def player(self, camera: str) -> _PlainPlayer:  # pyright: ignore[reportIncompatibleMethodOverride]
         return _PlainPlayer(self, camera)
 
-    def moment(self, camera: str, frame: int) -> Planes | None:
-        return self.player(camera).at(frame)
+    def median(self, camera: str, frames: Sequence[int], within: FrameRange) -> Planes | None:
+        return self.plain(camera) if any(has_picture(self, camera, frame) for frame in frames) else None
 
 
 def has_picture(footage: Footage, camera: str, frame: int) -> bool:
@@ -77,7 +78,8 @@ class Coverage:
         )
         self._footage = _PlainFootage(footage)
         look = None if look is None else attrs.evolve(look, colour=False)
-        self._compositor = Compositor(plain, self._footage, filler=filler, look=look)
+        parallax = Parallax(edl, footage)
+        self._compositor = Compositor(plain, self._footage, filler=filler, look=look, parallax=parallax)
 
     def covered(self, frame: int) -> U8:
         """(H, W): 255 where programme frame ``frame`` shows a camera's picture by at least half, else 0."""
