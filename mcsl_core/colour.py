@@ -58,11 +58,12 @@ def _fit(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
             x, y = a[keep, channel], b[keep, channel]
             spread_x, spread_y = x.std(), y.std()
             # Both have noise, so neither regression is right; the ratio of spreads is, where the two go together.
-            together = spread_x > 2 and spread_y > 2 and np.corrcoef(x, y)[0, 1] > 0.5
+            alike = float(np.corrcoef(x, y)[0, 1]) if spread_x > 2 and spread_y > 2 else 0.0
+            together = alike > 0.5
             gain = np.clip(spread_y / spread_x if together else 1.0, *GAINS)
             offset = np.clip(y.mean() - gain * x.mean(), *OFFSETS)
             if together:  # what the two share little of says little of black: then the gain alone has to explain more
-                doubt = _DOUBT * np.sqrt(1 - np.corrcoef(x, y)[0, 1] ** 2) * gain * x.mean()
+                doubt = _DOUBT * np.sqrt(1 - alike**2) * gain * x.mean()
                 offset *= _BLACK**2 / (_BLACK**2 + doubt**2)
                 gain = np.clip((y.mean() - offset) / x.mean(), *GAINS)
             new_gains[channel], new_offsets[channel] = gain, offset

@@ -22,7 +22,7 @@ _KEPT_PLANS = 8
 class FootprintFiller:
     """Fills outside the camera's geometric footprint, softly over its edge, with what other cameras see there.
 
-    The footprint follows from the warp alone, so dark pixels are no holes and nothing flickers. Behind the chosen
+    The footprint follows from geometry alone, so dark pixels are no holes and nothing flickers. Behind the chosen
     camera stands one other, decoded all along: the reference, or the closest viewpoint that adds something. What both
     leave empty comes from the other cameras, looked at anew every ten seconds; what no camera sees now from other poses
     of the same perspective, earlier before later, the more blurred the further away in time. What nobody ever saw stays

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..timing import FrameRange
 
-MOMENT_S = 10.0  # a new look every so many seconds: 150 ms of CPU at 1080p, where decoding on would take two seconds
+MOMENT_S = 10.0  # a new look every so many seconds: a keyframe, where decoding on would take two seconds of CPU
 LOOKS = 7  # of which the median is taken, so that a hand or a head in up to three of them is not kept
 
 
