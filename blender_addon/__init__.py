@@ -2,8 +2,8 @@
 """mcsl in Blender's sequencer: the timeline of an EDL, and the editor's decisions back into it.
 
 What is decided stands in `core`, plain Python without bpy. `sequencer` touches the strips, `ui` is a thin skin.
-`process` runs mcsl as a child process; `worker` runs in the child that mcsl starts. Of mcsl_core only documents, timing,
-progress and the EDL are used.
+`process` runs mcsl as a child process; `worker` runs in the child that mcsl starts. Of mcsl_core only documents,
+timing, progress and the EDL are used.
 """
 
 _MODULES = (

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mcsl_core.blender.child import search_paths
 from mcsl_core.blender.installation import Blender
 from mcsl_core.edl import IDENTITY, Camera, Clock, Edl, Media, Movement, Override, Pose, Shot
 from mcsl_core.media.writing import Encoding, VideoWriter
@@ -22,6 +23,14 @@ FRAMES = 60
 BITS = 8
 BLOCK = 16  # pixels a side of one bit, several macroblock edges clear of its neighbours
 LIGHT = {"cam1": 60, "cam2": 100, "cam3": 140}  # each camera's ground, so that a picture tells where it is from
+
+SWITCH_ON = f"""
+    import warnings
+    warnings.simplefilter("error")
+    sys.path.extend({search_paths()!r})
+    import blender_addon
+    blender_addon.register()
+"""
 
 
 def picture(number: int, ground: int = 60, size: tuple[int, int] = SIZE) -> np.ndarray:

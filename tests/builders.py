@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: GPL-3.0-or-later
 """Small EDLs, and what an untouched sequencer looks like after a plan was built."""
 
 from __future__ import annotations
@@ -61,3 +60,20 @@ def state_of(plan: StripPlan) -> SequencerState:
 
 def with_strips(state: SequencerState, *strips: FoundStrip) -> SequencerState:
     return attrs.evolve(state, strips=tuple(strips))
+
+
+def small(frames: int = 100, **fields) -> Edl:
+    """Two cameras, reference cam1, one pose; shots cam1 [0,40), cam2 [40,100)."""
+    cameras = tuple(Camera(n, (Media(f"{n}.mp4", frames),), (320, 180), Fraction(25)) for n in ("cam1", "cam2"))
+    return attrs.evolve(
+        Edl(
+            rate=Fraction(25),
+            size=(320, 180),
+            frames=frames,
+            reference="cam1",
+            cameras=cameras,
+            poses=(Pose(R(0, frames), {"cam1": IDENTITY, "cam2": IDENTITY}),),
+            shots=(Shot(R(0, 40), "cam1"), Shot(R(40, frames), "cam2")),
+        ),
+        **fields,
+    )

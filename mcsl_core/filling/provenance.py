@@ -22,7 +22,7 @@ _DIMMED = 0.7  # of the luma, of looks at other median_of
 
 
 class ShowProvenance:
-    """A filler's work with each camera's pixels in a tint of their own, medians and other poses darker, and a legend."""
+    """A filler's work with each camera's pixels tinted, medians and other poses darker, and a legend."""
 
     def __init__(self, filler: Filler, cameras: Sequence[str]) -> None:
         self.filler, self.cameras = filler, tuple(cameras)

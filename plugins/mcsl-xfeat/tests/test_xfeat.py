@@ -53,7 +53,7 @@ def test_without_its_libraries_it_says_what_to_install() -> None:
     code = f"""
 import sys
 from mcsl_core.errors import PluginError
-from mcsl_core.plugins import discover
+from mcsl_core.hooks.registry import discover
 sys.modules |= dict.fromkeys({NEEDED!r})
 try:
     discover().choose("matcher", "xfeat").prepare()

@@ -97,7 +97,7 @@ def test_files_are_cameras_as_the_command_line_names_them(tmp_path):
 
 
 def test_as_the_command_line_groups_them(tmp_path, monkeypatch):
-    monkeypatch.setattr("mcsl_core.recording._check", lambda file: None)  # these files are empty
+    monkeypatch.setattr("mcsl_core.recording.discovery._check", lambda file: None)  # these files are empty
     names = ["b_010.mp4", "b_002.mp4", "a.mov", "c-001.mkv", "c-002.mkv", "d_1.mp4", "e_0001.mp4"]
     paths = [tmp_path / name for name in names]
     for path in paths:

@@ -74,7 +74,7 @@ def test_a_child_killed_from_outside_is_told_so():
 
 
 def test_cancelling_asks_first_and_kills_after_the_grace(monkeypatch):
-    monkeypatch.setattr("blender_addon.jobs.GRACE_S", 0.3)
+    monkeypatch.setattr("blender_addon.process.job.GRACE_S", 0.3)
     job = child("import signal; signal.signal(signal.SIGTERM, signal.SIG_IGN); say(note='deaf'); time.sleep(60)")
     while not job.pump().notes:
         time.sleep(0.01)

@@ -7,9 +7,8 @@ import textwrap
 import attrs
 import numpy as np
 import pytest
-from blender_recording import FRAMES, R, an_edl, in_blender
-from test_addon import SWITCH_ON
-from test_transform import SPOTS, apply, middles, spots
+from blender_recording import FRAMES, SWITCH_ON, R, an_edl, in_blender
+from spots import SPOTS, middles, projected, spots
 
 from mcsl_core import edl as edls
 from mcsl_core.blender import render as rendering
@@ -143,16 +142,18 @@ def test_the_exact_picture_moves_as_the_editor_saw_the_preview_move(tmp_path, bl
     def matched(found, points):
         return np.array([found[np.hypot(*(found - p).T).argmin()] for p in points])
 
-    sure = [p for p in apply(homography, SPOTS) if 20 < p[0] < 290 and 20 < p[1] < 150]
+    sure = [p for p in projected(homography, SPOTS) if 20 < p[0] < 290 and 20 < p[1] < 150]
     assert len(sure) >= 4
     before, exact_0 = matched(seen_before, sure), matched(exact_before, sure)
-    after = matched(seen_after, apply(correction.matrix, before))
-    exact_1 = matched(exact_after, apply(correction.matrix, exact_0))
+    after = matched(seen_after, projected(correction.matrix, before))
+    exact_1 = matched(exact_after, projected(correction.matrix, exact_0))
     off = np.hypot(*((after - before) - (exact_1 - exact_0)).T)
     turn = abs(complex(correction.matrix[0][0], correction.matrix[1][0]) - 1)
     apart = np.hypot(*(before - exact_0).T)
     print(f"preview and exact picture lie {apart.max():.1f} px apart, and moved by {off.max():.2f} px differently")
     assert np.hypot(*(after - before).T).max() > 15
-    assert np.hypot(*(exact_1 - apply(correction.matrix, exact_0)).T).max() < 0.3  # finding a disc takes a tenth or so
+    assert (
+        np.hypot(*(exact_1 - projected(correction.matrix, exact_0)).T).max() < 0.3
+    )  # finding a disc takes a tenth or so
     assert (off <= turn * apart + 0.3).all()
     assert off.max() < 2

@@ -9,43 +9,13 @@ import cv2
 import numpy as np
 import pytest
 from blender_recording import R, an_edl
+from spots import SPOTS, middles, projected, spots
 
 from mcsl_core import edl as edls
 from mcsl_core.blender.child import run_task
 from mcsl_core.blender.timeline import build_timeline
 from mcsl_core.delivery import presets
 from mcsl_core.edl import IDENTITY, Camera, Media, Pose, Shot
-from mcsl_core.media.writing import Encoding, VideoWriter
-
-SPOTS = np.array([[60, 40], [260, 50], [80, 140], [230, 130], [160, 90], [120, 70]], float)
-
-
-def spots(path, size, points):
-    """A clip of white discs, radius 5, on black."""
-    image = np.zeros((size[1], size[0], 3), np.uint8)
-    for x, y in points:
-        cv2.circle(image, (round(x * 16), round(y * 16)), 5 * 16, (255, 255, 255), -1, cv2.LINE_AA, shift=4)
-    encoding = Encoding(options={"preset": "ultrafast", "crf": "4"})
-    with VideoWriter(path, size=size, rate=an_edl().rate, encoding=encoding, keyframe_interval=1) as writer:
-        for _ in range(4):
-            writer.write(image)
-
-
-def middles(luma):
-    """The centroid of each bright spot, in pixels, sub-pixel by brightness."""
-    count, labels = cv2.connectedComponents((luma > 40).astype(np.uint8))
-    found = []
-    for label in range(1, count):
-        rows, columns = np.nonzero(labels == label)
-        weight = luma[rows, columns].astype(float)
-        if weight.sum() > 2000:
-            found.append([(columns * weight).sum() / weight.sum(), (rows * weight).sum() / weight.sum()])
-    return np.array(found)
-
-
-def apply(matrix, points):
-    moved = np.c_[points, np.ones(len(points))] @ np.asarray(matrix).T
-    return moved[:, :2] / moved[:, 2:]
 
 
 def rendered(tmp_path, blender, homography, anchor, size, programme):
@@ -91,7 +61,7 @@ def similarity(degrees, scale, tx, ty):
 def test_a_similarity_is_shown_exactly(tmp_path, blender, degrees, scale, tx, ty, size):
     homography = similarity(degrees, scale, tx, ty)
     luma = rendered(tmp_path, blender, homography, IDENTITY, size, (320, 180))
-    expected = apply(homography, SPOTS * size[0] / 320)
+    expected = projected(homography, SPOTS * size[0] / 320)
     inside = expected[(expected > 8).all(1) & (expected[:, 0] < 311) & (expected[:, 1] < 171)]
     found = middles(luma)
     assert len(inside) >= 3
@@ -104,7 +74,7 @@ def test_a_homography_is_shown_as_the_similarity_nearest_round_the_field(tmp_pat
     homography = ((0.9, 0.12, -4.0), (-0.08, 1.02, 12.0), (2e-4, -1.5e-4, 1.0))
     anchor = similarity(4, 1.05, -5, 2)
     luma = rendered(tmp_path, blender, homography, anchor, (320, 180), (320, 180))
-    expected = apply(np.array(anchor) @ np.array(homography), SPOTS)
+    expected = projected(np.array(anchor) @ np.array(homography), SPOTS)
     found = middles(luma)
     errors = np.array([np.hypot(*(found - p).T).min() for p in expected])
     # the best similarity of these six points themselves, by OpenCV, is the yardstick
@@ -116,5 +86,5 @@ def test_a_homography_is_shown_as_the_similarity_nearest_round_the_field(tmp_pat
 
 def test_the_oracle_would_notice_a_turned_sign(tmp_path, blender):
     luma = rendered(tmp_path, blender, similarity(20, 0.8, 70, 10), IDENTITY, (320, 180), (320, 180))
-    wrong = apply(similarity(-20, 0.8, 70, 10), SPOTS)
+    wrong = projected(similarity(-20, 0.8, 70, 10), SPOTS)
     assert max(np.hypot(*(middles(luma) - p).T).min() for p in wrong) > 5

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from blender_recording import R, in_blender
-from test_addon import SWITCH_ON
+from blender_recording import SWITCH_ON, R, in_blender
 
 from mcsl_core import edl as edls
 from mcsl_core.blender.timeline import pull_overrides

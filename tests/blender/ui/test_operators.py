@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from blender_recording import R, in_blender
+from blender_recording import SWITCH_ON, R, in_blender
 
 import blender_addon
 from mcsl_core import edl as edls
@@ -16,14 +16,6 @@ from mcsl_core.blender.child import search_paths
 from mcsl_core.edl import Override
 
 pytestmark = pytest.mark.both_blenders
-
-SWITCH_ON = f"""
-    import warnings
-    warnings.simplefilter("error")
-    sys.path.extend({search_paths()!r})
-    import blender_addon
-    blender_addon.register()
-"""
 
 
 def test_it_registers_and_unregisters_twice(built, blender):

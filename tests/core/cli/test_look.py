@@ -1,5 +1,7 @@
 """Switching the aids in an EDL, and the picture that shows where each pixel came from."""
 
+from fractions import Fraction
+
 import attrs
 import numpy as np
 import pytest
@@ -84,11 +86,11 @@ def test_a_wrong_call_says_what_is_wrong(tmp_path, small_edl, given, said):
 @pytest.fixture
 def small_edl():
     return edls.Edl(
-        rate=edls.Fraction(25),
+        rate=Fraction(25),
         size=(320, 180),
         frames=100,
         reference="a",
-        cameras=(edls.Camera("a", (edls.Media("a.mp4", 100),), (320, 180), edls.Fraction(25)),),
+        cameras=(edls.Camera("a", (edls.Media("a.mp4", 100),), (320, 180), Fraction(25)),),
         poses=(edls.Pose(FrameRange(0, 100), {"a": edls.IDENTITY}),),
         shots=(edls.Shot(FrameRange(0, 100), "a"),),
     )

@@ -9,6 +9,7 @@ from fractions import Fraction
 import attrs
 import numpy as np
 import pytest
+from builders import R, small
 from hypothesis import given
 from hypothesis import strategies as st
 from strategies import centering_keys, decided_edls, edls
@@ -17,7 +18,6 @@ from mcsl_core import edl as edl_module
 from mcsl_core.edl import (
     IDENTITY,
     SCHEMA,
-    Camera,
     Clock,
     Correction,
     Edl,
@@ -37,25 +37,6 @@ from mcsl_core.edl.placement import fit_matrix, multiply, placement_matrix
 from mcsl_core.edl.resolve import Decision, offset_at, resolve, shift_at
 from mcsl_core.errors import DocumentError, InputError
 from mcsl_core.timing import FrameRange, check_tiles
-
-R = FrameRange
-
-
-def small(frames: int = 100, **fields) -> Edl:
-    cameras = tuple(Camera(n, (Media(f"{n}.mp4", frames),), (320, 180), Fraction(25)) for n in ("cam1", "cam2"))
-    return attrs.evolve(
-        Edl(
-            rate=Fraction(25),
-            size=(320, 180),
-            frames=frames,
-            reference="cam1",
-            cameras=cameras,
-            poses=(Pose(R(0, frames), {"cam1": IDENTITY, "cam2": IDENTITY}),),
-            shots=(Shot(R(0, 40), "cam1"), Shot(R(40, frames), "cam2")),
-        ),
-        **fields,
-    )
-
 
 # ------------------------------------------------------------------------------------------------- round trip
 
@@ -151,7 +132,7 @@ def test_an_older_schema_is_upgraded_step_by_step(monkeypatch, tmp_path):
     def from_half(value):
         return {**{k: v for k, v in value.items() if k != "length"}, "schema": SCHEMA}
 
-    monkeypatch.setattr(edl_module, "_UPGRADES", {"mcsl.edl/0": from_1, "mcsl.edl/0.5": from_half})
+    monkeypatch.setattr("mcsl_core.edl.serialization._UPGRADES", {"mcsl.edl/0": from_1, "mcsl.edl/0.5": from_half})
     old = to_json(small())
     old["schema"] = "mcsl.edl/0"
     old["length"] = old.pop("frames")

@@ -10,10 +10,10 @@ from typing import Any
 
 import jsonschema
 import pytest
+from builders import R, small
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from strategies import edls
-from test_edl import R, small
 
 from mcsl_core.documents import Bounds
 from mcsl_core.edl import IDENTITY, Edl, Look, MadeBy, Movement, Override, Pose, Shot, Weak, from_json, loads, to_json

@@ -310,7 +310,7 @@ def test_a_frame_without_anything_to_fill_goes_through_untouched() -> None:
 
 def test_one_that_takes_longer_than_the_recording_lasts_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = iter(range(0, 1000, 10))  # every look at the clock is ten seconds after the last: each call takes ten
-    monkeypatch.setattr("mcsl_core.guards.time.monotonic", lambda: float(next(clock)))
+    monkeypatch.setattr("mcsl_core.hooks.guards.time.monotonic", lambda: float(next(clock)))
     notes: list[str] = []
     slow = offer("selector", does("select", gives([shot(0, 60)])), Watch(25.0, notes.append)).checked
     for _ in range(9):

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
-from test_sync import Notes
+from sync_sound import Notes
 
 from mcsl_core.edl import Camera, Media
 from mcsl_core.errors import Cancelled

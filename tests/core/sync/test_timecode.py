@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from test_sync import Notes, heard, room
+from sync_sound import Notes, heard, room
 
 from mcsl_core.edl import Camera, Media
 from mcsl_core.media.probing import probe
