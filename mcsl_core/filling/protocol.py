@@ -95,9 +95,9 @@ class FillContext(Protocol):
 
         median_of: the median of its pictures at these frames of one pose, in place of its picture now. Each costs a
         seek and a decode when it is first asked for, so keep to few: those of a fixed grid, so that a frame comes out
-        the same in whatever stretch it is made. blur_px: sigma of a Gaussian over it. parallax_corrected: bent so that what does
-        not lie on the plane of the field is where the perspective's first picture has it, not only warped; the chosen
-        camera's only towards its edge, so that its picture goes over into the others'.
+        the same in whatever stretch it is made. blur_px: sigma of a Gaussian over it. parallax_corrected: so that what
+        does not lie on the plane of the field is where the perspective's first picture has it, not only warped; the
+        chosen camera's only towards its edge, so that its picture goes over into the others'.
         """
         ...
 
