@@ -1,39 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The render presets as the panel offers them. No bpy. mcsl_core/presets.py holds the schema and checks the files."""
+"""The render presets as the panel offers them. No bpy. mcsl_core/delivery/presets.py checks the files."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
-from attrs import frozen
-
-from mcsl_core.documents import read_json
-
-
-@frozen
-class Delivery:
-    """One preset. blender: what output.apply takes."""
-
-    name: str
-    title: str
-    description: str
-    container: str
-    blender: dict[str, Any]
+from mcsl_core.delivery.presets import Preset, load_preset
 
 
 def folder() -> Path:
-    """Where the presets lie: inside the extension, else beside it in the source tree."""
+    """Where the presets lie: inside the extension, else beside the add-on, as in the source tree."""
     addon = Path(__file__).resolve().parents[1]
     inside = addon / "render_presets"
     return inside if inside.is_dir() else addon.parent / "render_presets"
 
 
-def load_all() -> tuple[Delivery, ...]:
-    """Every preset, the everyday one first."""
-    found = []
-    for path in sorted(folder().glob("*.json")):
-        value = read_json(path)
-        blender = {**value["blender"], "scale_percent": value["scale_percent"]}
-        found.append(Delivery(path.stem, value["title"], value["description"], value["container"], blender))
-    return tuple(sorted(found, key=lambda delivery: delivery.name != "h264"))
+def load_all() -> Mapping[str, Preset]:
+    """Every preset by its name, the everyday one first."""
+    paths = sorted(folder().glob("*.json"), key=lambda path: (path.stem != "h264", path.stem))
+    return {path.stem: load_preset(path) for path in paths}

@@ -18,10 +18,12 @@ from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from itertools import pairwise
 from math import ceil
+from pathlib import Path
 
 import attrs
 from attrs import field, frozen
 
+from mcsl_core.blender.messages import ConformedPiece
 from mcsl_core.edl import Camera, Edl, Matrix, Pose
 from mcsl_core.edl.placement import correction_of, fit_matrix, multiply, placement_matrix
 from mcsl_core.edl.resolve import Decision, offset_at, resolve, shift_at
@@ -93,14 +95,6 @@ class SoundPiece:
 
 
 @frozen
-class ConformedPiece:
-    """A file of exact programme pictures and where it stands."""
-
-    range: FrameRange
-    path: str
-
-
-@frozen
 class MarkerPlan:
     """A marker and its text."""
 
@@ -128,7 +122,7 @@ class StripPlan:
     notes: tuple[str, ...] = ()
 
 
-def make_plan(edl: Edl, conformed: Iterable[ConformedPiece] = (), sound: str | None = None) -> StripPlan:
+def make_plan(edl: Edl, conformed: Iterable[ConformedPiece] = (), sound: Path | None = None) -> StripPlan:
     """The timeline of ``edl``. conformed: exact pictures to put in place; sound: the conformed sound from frame 0,
     or None for the reference camera's own files.
     """
@@ -137,7 +131,7 @@ def make_plan(edl: Edl, conformed: Iterable[ConformedPiece] = (), sound: str | N
     programme_channel = FIRST_CAMERA_CHANNEL + len(order)
     tracks = tuple(CameraTrack(c.name, channels[c.name], _files(edl, c)) for c in order)
     if sound is not None:
-        sounds: tuple[SoundPiece, ...] = (SoundPiece(sound, 0),)
+        sounds: tuple[SoundPiece, ...] = (SoundPiece(str(sound), 0),)
     else:
         sounds = tuple(SoundPiece(file.path, file.start) for file in tracks[-1].files)
     return StripPlan(

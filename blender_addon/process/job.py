@@ -8,7 +8,6 @@ and all it started after a grace.
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import subprocess
@@ -21,7 +20,8 @@ from typing import Any, Literal
 import attrs
 from attrs import field, frozen
 
-from mcsl_core.errors import Cancelled, McslError
+from mcsl_core.blender.messages import Done, Failed, Failure, Message, MessageFile, Note, Result, Stage
+from mcsl_core.errors import Cancelled, DocumentError, McslError
 
 from .find_mcsl import child_environment
 
@@ -59,7 +59,9 @@ class Job:
         self._folder = tempfile.TemporaryDirectory(prefix="mcsl-job-", ignore_cleanup_errors=True)
         base = Path(self._folder.name)
         self._out, self._err = base / "out", base / "err"
-        self._at, self._rest, self._answer = 0, b"", False
+        self._messages = MessageFile(self._out)
+        self._text = ""
+        self._ending: Outcome | None = None  # known before the process is gone
         self._asked: float | None = None  # when it was asked to stop
         group: dict[str, Any] = {"start_new_session": True}
         if os.name == "nt":
@@ -97,15 +99,12 @@ class Job:
         if not self.running:
             return self.status
         code = self._child.poll()  # asked before reading: what it wrote last is then there
-        with open(self._out, "rb") as stream:
-            stream.seek(self._at)
-            new = stream.read()
-        self._at += len(new)
-        *lines, self._rest = (self._rest + new).split(b"\n")
-        if code is not None and self._rest:
-            lines.append(self._rest)
-        for line in lines:
-            self._take(line)
+        try:
+            for message in self._messages.read(ended=code is not None):
+                self._take(message)
+        except DocumentError as error:
+            self._take(Failed(Failure(error.what, error.where, error.remedy, error.exit_code)))
+            self.cancel()
         if code is not None:
             self._end(code)
         elif self._asked is not None and time.monotonic() - self._asked > GRACE_S:
@@ -142,36 +141,23 @@ class Job:
 
     # ------------------------------------------------------------------------------------------------- messages
 
-    _text = ""
-
-    def _take(self, line: bytes) -> None:
-        """One line of standard output; what is no message is not for us."""
-        try:
-            message = json.loads(line)
-        except ValueError:
-            return
-        if not isinstance(message, dict):
-            return
+    def _take(self, message: Message) -> None:
         status = self.status
-        if "stage" in message:
-            stage, total, unit = str(message["stage"]), message.get("total"), str(message.get("unit", ""))
-            self.status = attrs.evolve(status, stage=stage, total=total, unit=unit, done=0)
-        elif "done" in message:
-            self.status = attrs.evolve(status, done=int(message["done"]))
-        elif "note" in message:
-            self.status = attrs.evolve(status, notes=(*status.notes, str(message["note"])))
-        elif "result" in message:
-            self.status, self._answer = attrs.evolve(status, result=dict(message["result"])), True
-        elif "error" in message:
-            error = message["error"]
-            told = McslError(error.get("what", ""), where=error.get("where", ""), remedy=error.get("remedy", ""))
-            stopped = error.get("exit_code") == Cancelled.exit_code
-            outcome: Outcome = "stopped" if stopped else "failed"
-            # The outcome stays "running" until the process is gone; it is known already, though.
-            self.status = attrs.evolve(status, message=STOPPED if stopped else one_line(str(told)))
-            self._ending = outcome
-
-    _ending: Outcome | None = None
+        match message:
+            case Stage(stage, total, unit):
+                self.status = attrs.evolve(status, stage=stage, total=total, unit=unit, done=0)
+            case Done(done):
+                self.status = attrs.evolve(status, done=done)
+            case Note(note):
+                self.status = attrs.evolve(status, notes=(*status.notes, note))
+            case Result(result):
+                self.status = attrs.evolve(status, result=result)
+            case Failed(error) if self._ending is None:  # the first says why; asked to stop, it says that it stopped
+                told = McslError(error.what, where=error.where, remedy=error.remedy)
+                stopped = error.exit_code == Cancelled.exit_code
+                # The outcome stays "running" until the process is gone; it is known already, though.
+                self._ending = "stopped" if stopped else "failed"
+                self.status = attrs.evolve(status, message=STOPPED if stopped else one_line(str(told)))
 
     def _end(self, code: int) -> None:
         self._text = self._out.read_text("utf-8", "replace")

@@ -11,10 +11,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from mcsl_core.blender.messages import ConformedPiece
 from mcsl_core.errors import BlenderError, InputError
 
 from ..core import strip_plan as plans
-from ..core.strip_plan import CameraTrack, ConformedPiece, StripPlan
+from ..core.strip_plan import CameraTrack, StripPlan
 from .centering_keys import set_centering_keys
 from .compat import ends, new_effect
 from .edit import OVERRIDDEN_COLOUR, set_transform, split_strip, transform_numbers

@@ -14,12 +14,12 @@ from typing import Any
 import bpy  # pyright: ignore[reportMissingImports]
 from attrs import frozen
 
+from mcsl_core.blender.messages import ConformedPiece
 from mcsl_core.edl import Edl
 from mcsl_core.timing import FrameRange
 
 from ..core import stale as outstanding
 from ..core import strip_plan as plans
-from ..core.strip_plan import ConformedPiece
 from .build import add_conformed_strip, replace_sound
 from .compat import ends
 from .edit import split_at
@@ -89,7 +89,7 @@ def _set_holds(strip: Any, holds: bool) -> bool:
     return False
 
 
-def place(scene: Any, edl: Edl, pieces: Sequence[ConformedPiece], sound: str | None, base: Path) -> Iterator[float]:
+def place(scene: Any, edl: Edl, pieces: Sequence[ConformedPiece], sound: Path | None, base: Path) -> Iterator[float]:
     """Puts the conformed files of ``edl`` in place, one a step (0.15 s each); yields what part is done.
 
     Files that are in place and whole stay. base: what the paths are relative to.

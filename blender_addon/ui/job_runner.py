@@ -8,7 +8,6 @@ place) may come in steps, so that the window stays alive: a generator, one step 
 from __future__ import annotations
 
 import atexit
-import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,6 +15,8 @@ from typing import Any
 import bpy  # pyright: ignore[reportMissingImports]
 from attrs import define, field
 
+from mcsl_core.blender.messages import OfferedPlugin, structure
+from mcsl_core.documents import parse_json
 from mcsl_core.errors import McslError
 
 from ..core.camera_files import plugins_command
@@ -23,6 +24,7 @@ from ..process.job import Job, Status
 from .translations.lookup import told
 
 TICK_S = 0.1
+ASKED = "mcsl plugins"
 SHOWN_S = 12.0  # how long the last message stays in the status bar
 
 Follow = Callable[[Mapping[str, Any]], Iterator[float] | None]
@@ -49,7 +51,7 @@ class Desk:
     about: str = ""  # the title of the job that the message is about
     level: str = "INFO"  # INFO, WARNING or ERROR
     mcsl: str = ""
-    offers: dict[str, list[dict[str, Any]]] = field(factory=dict)
+    offers: dict[str, list[OfferedPlugin]] = field(factory=dict)  # by stage
     asking: Job | None = None
 
 
@@ -201,12 +203,10 @@ def pump_plugins() -> bool:
     desk.asking = None
     try:
         if status.outcome != "done":
-            raise ValueError(status.message)
-        offers: dict[str, list[dict[str, Any]]] = {}
-        for row in json.loads(job.output()):
-            offers.setdefault(row["stage"], []).append(row)
-        desk.offers = offers
-    except (ValueError, KeyError, TypeError) as error:
+            raise McslError(status.message)
+        rows = structure(parse_json(job.output(), where=ASKED), tuple[OfferedPlugin, ...], where=ASKED)
+        desk.offers = {row.stage: [other for other in rows if other.stage == row.stage] for row in rows}
+    except McslError as error:
         say(told("the plugins could not be read: {reason}").format(reason=error), "WARNING")
     redraw()
     return False

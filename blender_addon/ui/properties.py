@@ -9,7 +9,7 @@ from pathlib import Path
 
 import bpy  # pyright: ignore[reportMissingImports]
 
-from ..core import presets as deliveries
+from ..core import presets
 from ..core.camera_files import STAGES
 from . import job_runner as running
 from .translations.lookup import shown
@@ -21,20 +21,20 @@ _kept: dict = {}  # Blender does not keep the texts of dynamic enums: somebody m
 
 def _numbers(stage: str) -> dict[int, str]:
     """A number for every plugin of a stage that does not change when others come and go; 0 is the default."""
-    names = [row["name"] for row in running.desk.offers.get(stage, ())]
+    names = [row.name for row in running.desk.offers.get(stage, ())]
     return {0: "", **{zlib.crc32(name.encode()) & 0x7FFFFFFF: name for name in names}}
 
 
 def _stage_items(stage: str):
     def items(self, context):
         rows = running.desk.offers.get(stage, ())
-        default = next((row["name"] for row in rows if row.get("default")), "")
+        default = next((row.name for row in rows if row.default), "")
         label = shown("Default ({name})").format(name=default) if default else shown("Default")
         found = [(DEFAULT, label, shown("What mcsl takes by itself"), "NONE", 0)]
         for row in rows:
-            number = zlib.crc32(row["name"].encode()) & 0x7FFFFFFF
-            text = f"{row['summary']} ({row['package']} {row['version']})"
-            found.append((row["name"], row["name"], text, "NONE", number))
+            number = zlib.crc32(row.name.encode()) & 0x7FFFFFFF
+            text = f"{row.summary} ({row.package} {row.version})"
+            found.append((row.name, row.name, text, "NONE", number))
         _kept[stage] = found
         return found
 
@@ -58,8 +58,8 @@ def _stage_set(stage: str):
 
 def _preset_items(self, context):
     if "presets" not in _kept:
-        found = deliveries.load_all()
-        _kept["presets"] = [(d.name, d.title, d.description, "NONE", i) for i, d in enumerate(found)]
+        found = presets.load_all().items()
+        _kept["presets"] = [(name, p.title, p.description, "NONE", i) for i, (name, p) in enumerate(found)]
     return _kept["presets"]
 
 

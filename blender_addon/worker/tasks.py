@@ -1,104 +1,95 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the child process can do: make a timeline, read one, bring one up to date, render one.
 
-Each task takes the request and a progress, and returns the result as plain JSON. Paths in requests are absolute; in
-the .blend they are relative to it, so that the folder can move. A .blend is saved under a hidden name beside its own
-and renamed: the old one or the whole new one, never a part.
+Each task takes its request and a progress, and returns its answer (mcsl_core/blender/messages.py). Paths in requests
+are absolute; in the .blend they are relative to it, so that the folder can move. A .blend is saved under a hidden name
+beside its own and renamed: the old one or the whole new one, never a part.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import bpy  # pyright: ignore[reportMissingImports]
 
 from mcsl_core import edl as edls
+from mcsl_core.blender.messages import (
+    BuiltTimeline,
+    ReadDecisions,
+    ReadRequest,
+    RefreshRequest,
+    RenderedVideo,
+    RenderRequest,
+    TimelineRequest,
+    structure,
+    to_json,
+)
 from mcsl_core.errors import BlenderError, InputError
 from mcsl_core.progress import JsonLines
-from mcsl_core.timing import FrameRange
 
 from ..core.read_overrides import read_edl
-from ..core.strip_plan import ConformedPiece, StripPlan, make_plan
+from ..core.strip_plan import StripPlan, make_plan
 from ..sequencer import conformed, output
 from ..sequencer import scene_properties as scenes
 from ..sequencer.build import build_timeline, has_sound, rebuild_timeline
 from ..sequencer.compat import use_sequencer_scene
 from ..sequencer.read import read_timeline
 
-Request = Mapping[str, Any]
 
-
-def timeline(request: Request, progress: JsonLines) -> dict[str, Any]:
-    """request: edl, blend, conformed [{range, path}], sound or null, preset, output."""
-    edl_path, blend = Path(request["edl"]), Path(request["blend"])
-    edl = edls.load(edl_path)
-    plan = _plan(edl, request)
+def timeline(request: TimelineRequest, progress: JsonLines) -> BuiltTimeline:
+    """A new .blend with the timeline of an EDL."""
+    edl = edls.load(request.edl)
+    plan = make_plan(edl, request.conformed, request.sound)
     progress.stage("timeline", None)
     bpy.ops.wm.read_homefile(app_template="Video_Editing", use_factory_startup=True)
     scene = bpy.context.scene
     scene.name = "Programme"
     use_sequencer_scene(scene)
-    notes = build_timeline(scene, plan, edl_path.parent)
-    conformed.note_basis(scene, edl)
-    _finish(scene, edl, edl_path, blend, request)
-    for note in notes:
-        progress.note(note)
-    return {"blend": str(blend), "strips": len(plan.programme), "frames": plan.frames}
+    notes = build_timeline(scene, plan, request.edl.parent)
+    output.apply(scene, request.preset, "//" + request.output, sound=has_sound(scene))
+    return _finished(scene, edl, plan, request, notes, progress)
 
 
-def read(request: Request, progress: JsonLines) -> dict[str, Any]:
-    """request: blend. Result: the EDL it names, and that EDL's overrides, corrections and look after the editor's work.
+def refresh(request: RefreshRequest, progress: JsonLines) -> BuiltTimeline:
+    """Programme, Centering, Conformed and sound of an existing .blend from its EDL."""
+    edl = edls.load(request.edl)
+    progress.stage("timeline", None)
+    scene = _open(request.blend)
+    use_sequencer_scene(scene)
+    plan = make_plan(edl, request.conformed, request.sound)
+    notes = rebuild_timeline(scene, plan, request.edl.parent)
+    return _finished(scene, edl, plan, request, notes, progress)
+
+
+def read(request: ReadRequest, progress: JsonLines) -> ReadDecisions:
+    """The overrides, corrections and look of the EDL that the .blend names, after the editor's work.
 
     The .blend stays as it is, but for conformed pictures that no longer show what was decided: they fall away.
     """
-    blend = Path(request["blend"])
-    scene = _open(blend)
-    edl_path = scenes.edl_path(scene, blend)
+    scene = _open(request.blend)
+    edl_path = scenes.edl_path(scene, request.blend)
     edl = edls.load(edl_path)
     state = read_timeline(scene)
     new = read_edl(edl, state)
     for note in state.notes:
         progress.note(note)
-    value = edls.to_json(new)
-    decided = {
-        name: value.get(name, []) for name in ("overrides", "corrections")
-    }  # the document leaves out an empty one
-    decided["look"] = value["look"]
     if conformed.any_there(scene) and conformed.keep_true(scene, new).changed:
         try:
-            _save(blend)
+            _save(request.blend)
             progress.note(
                 "conformed pictures that no longer show what was decided fell away: `mcsl conform` makes others"
             )
         except InputError as error:  # what was decided can be read all the same
             progress.note(f"conformed pictures no longer show what was decided, and {error}")
-    return {"edl": str(edl_path), **decided, "changed": new != edl}
+    return ReadDecisions(edl_path, new.overrides, new.corrections, new.look, changed=new != edl)
 
 
-def refresh(request: Request, progress: JsonLines) -> dict[str, Any]:
-    """request: as of `timeline`. Programme, Centering, Conformed and sound of an existing .blend from its EDL."""
-    edl_path, blend = Path(request["edl"]), Path(request["blend"])
-    edl = edls.load(edl_path)
-    progress.stage("timeline", None)
-    scene = _open(blend)
-    use_sequencer_scene(scene)
-    plan = _plan(edl, request)
-    for note in rebuild_timeline(scene, plan, edl_path.parent):
-        progress.note(note)
-    conformed.note_basis(scene, edl)
-    _finish(scene, edl, edl_path, blend, request)
-    return {"blend": str(blend), "strips": len(plan.programme), "frames": plan.frames}
-
-
-def render(request: Request, progress: JsonLines) -> dict[str, Any]:
-    """request: blend, preset or null (the .blend's own), output. Renders to ``output`` as it stands."""
-    blend, target = Path(request["blend"]), Path(request["output"])
-    scene = _open(blend)
-    if request.get("preset"):
-        output.apply(scene, request["preset"], str(target), sound=has_sound(scene))
-    scene.render.filepath = str(target)
+def render(request: RenderRequest, progress: JsonLines) -> RenderedVideo:
+    """The .blend as it stands, to a video."""
+    scene = _open(request.blend)
+    output.apply(scene, request.preset, str(request.output), sound=has_sound(scene))
     total = len(range(scene.frame_start, scene.frame_end + 1, scene.frame_step))
     progress.stage("render", total, "frames")
     done = 0
@@ -110,22 +101,42 @@ def render(request: Request, progress: JsonLines) -> dict[str, Any]:
 
     bpy.app.handlers.render_post.append(written)
     bpy.ops.render.render(animation=True, scene=scene.name)
-    if done != total or not target.is_file():
-        raise BlenderError(f"wrote {done} of {total} frames", where=str(target), remedy="See the end of its log above")
-    return {"output": str(target), "frames": done}
+    if done != total or not request.output.is_file():
+        raise BlenderError(
+            f"wrote {done} of {total} frames", where=str(request.output), remedy="See the end of its log above"
+        )
+    return RenderedVideo(request.output, done)
 
 
-TASKS: dict[str, Callable[[Request, JsonLines], dict[str, Any]]] = {
-    "timeline": timeline,
-    "read": read,
-    "refresh": refresh,
-    "render": render,
+TASKS: dict[str, tuple[type[Any], Callable[[Any, JsonLines], Any]]] = {
+    TimelineRequest.task: (TimelineRequest, timeline),
+    RefreshRequest.task: (RefreshRequest, refresh),
+    ReadRequest.task: (ReadRequest, read),
+    RenderRequest.task: (RenderRequest, render),
 }
 
 
-def _plan(edl: edls.Edl, request: Request) -> StripPlan:
-    pieces = [ConformedPiece(FrameRange(*piece["range"]), piece["path"]) for piece in request["conformed"]]
-    return make_plan(edl, pieces, request["sound"])
+def carry_out(task: str, request: Any, progress: JsonLines) -> Any:
+    """The answer to a request, both as JSON values. Raises as the task does, DocumentError for a wrong request."""
+    kind, work = TASKS[task]
+    return to_json(work(structure(request, kind, where=f"the request of the task {task}"), progress))
+
+
+def _finished(
+    scene: Any,
+    edl: edls.Edl,
+    plan: StripPlan,
+    request: TimelineRequest | RefreshRequest,
+    notes: list[str],
+    progress: JsonLines,
+) -> BuiltTimeline:
+    """The basis of the conformed pictures, ids, the save; then what there is to say."""
+    conformed.note_basis(scene, edl)
+    scenes.set_ids(scene, edl, request.edl, request.blend.parent)
+    _save(request.blend)
+    for note in notes:
+        progress.note(note)
+    return BuiltTimeline(request.blend, len(plan.programme), plan.frames, len(plan.conformed))
 
 
 def _open(blend: Path) -> Any:
@@ -139,14 +150,6 @@ def _open(blend: Path) -> Any:
             f"Blender cannot open it ({str(error).strip()})", where=str(blend), remedy="Restore it or build it again"
         ) from error
     return scenes.timeline_scene(blend)
-
-
-def _finish(scene: Any, edl: edls.Edl, edl_path: Path, blend: Path, request: Request) -> None:
-    """Output settings, ids, relative paths, and the save."""
-    if request.get("preset"):
-        output.apply(scene, request["preset"], "//" + request["output"], sound=has_sound(scene))
-    scenes.set_ids(scene, edl, edl_path, blend.parent)
-    _save(blend)
 
 
 def _save(blend: Path) -> None:

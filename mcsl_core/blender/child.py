@@ -1,6 +1,7 @@
 """Running a task of the add-on in Blender: a child process that is spoken to in JSON and can be stopped.
 
-The child is blender_addon/worker, a separate program under its own licence.
+The child is blender_addon/worker, a separate program under its own licence; `messages` holds what passes between the
+two.
 """
 
 from __future__ import annotations
@@ -12,29 +13,44 @@ import signal
 import subprocess
 import tempfile
 import time
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn, TypeVar
 
-from mcsl_core.errors import BlenderError, InputError, UsageError
+from mcsl_core.errors import BlenderError, InputError, McslError, UsageError
 from mcsl_core.progress import CancelToken, Progress, Silent
 
 from .installation import Blender, explain_missing
+from .messages import Done, Failed, Failure, MessageFile, Note, Request, Result, Stage, structure, to_json
+
+Answer = TypeVar("Answer")
 
 _POLL_S = 0.05
+_KINDS: dict[int, type[McslError]] = {kind.exit_code: kind for kind in (UsageError, InputError)}
+
+
+def addon_parent() -> Path:
+    """The folder that holds blender_addon: beside mcsl_core in the source tree, mcsl_core itself in an installed one.
+
+    Raises
+    ------
+    BlenderError
+        It is in neither.
+    """
+    package = Path(__file__).resolve().parents[1]
+    for parent in (package.parent, package):
+        if (parent / "blender_addon" / "worker").is_dir():
+            return parent
+    raise BlenderError("the add-on's files are missing", where=str(package), remedy="Install mcsl again")
 
 
 def script() -> Path:
-    """The child's script, blender_addon/worker/__main__.py, without importing the add-on."""
-    spec = importlib.util.find_spec("blender_addon")
-    if spec is None or spec.origin is None:
-        raise BlenderError("the add-on's files are missing", remedy="Install mcsl again")
-    return Path(spec.origin).parent / "worker" / "__main__.py"
+    """The child's script. It imports the add-on as a package of its own, from `search_paths`."""
+    return addon_parent() / "blender_addon" / "worker" / "__main__.py"
 
 
 def search_paths() -> list[str]:
-    """Folders the child appends to its own: those that hold mcsl, attrs, cattrs and what they need, all pure Python."""
-    folders = [script().parents[2]]
+    """Folders the child appends to its own: of the add-on, mcsl, attrs, cattrs and what they need, all pure Python."""
+    folders = [addon_parent()]
     for name in ("mcsl_core", "attr", "attrs", "cattrs", "typing_extensions"):
         spec = importlib.util.find_spec(name)
         if spec is not None and spec.origin is not None:
@@ -42,19 +58,40 @@ def search_paths() -> list[str]:
     return list(dict.fromkeys(str(folder.resolve()) for folder in folders))
 
 
-def run_task(blender: Blender, request: Mapping[str, Any], progress: Progress | None = None) -> dict[str, Any]:
-    """Runs a task of blender_addon/worker/tasks.py in a child process and returns its result.
+def run_task(blender: Blender, request: Request[Answer], progress: Progress | None = None) -> Answer:
+    """Runs a task of blender_addon/worker/tasks.py in a child process. The user's Blender settings play no part.
 
-    The user's Blender settings play no part. Progress is passed on as it comes; when it raises (a cancel), the child
-    and its children are killed first. Raises what the task refused (InputError, UsageError), else BlenderError with
-    the last lines of Blender's own output.
+    Parameters
+    ----------
+    blender
+        The Blender to start.
+    request
+        What is to be done; its class names the task.
+    progress
+        Takes stages, counts and notes as they come. When it raises (a cancel), the child and its children are killed
+        first.
+
+    Returns
+    -------
+    Answer
+        What the request's class says it is answered by.
+
+    Raises
+    ------
+    InputError, UsageError
+        The task refused the request.
+    DocumentError
+        The child's messages are not of this version's form.
+    BlenderError
+        Everything else, with the last lines of Blender's own output.
     """
     progress = progress or Silent()
     with tempfile.TemporaryDirectory(prefix="mcsl-blender-") as name:
         folder = Path(name)
-        messages, log, order = folder / "messages", folder / "log", folder / "request.json"
+        messages, log, order = folder / "messages", folder / "log", folder / "order.json"
         messages.touch()
-        order.write_text(json.dumps({**request, "messages": str(messages), "paths": search_paths()}), encoding="utf-8")
+        values = {"task": request.task, "request": to_json(request)}
+        order.write_text(json.dumps({"paths": search_paths(), "messages": str(messages), **values}), encoding="utf-8")
         if blender.kind == "binary":
             command = [*blender.command, "-b", "--factory-startup", "-P", str(script()), "--", str(order)]
         else:
@@ -71,40 +108,38 @@ def run_task(blender: Blender, request: Mapping[str, Any], progress: Progress | 
                 start_new_session=True,
             )
         try:
-            last = _listen(child, messages, progress)
+            last = _listen(child, MessageFile(messages), progress)
         finally:
             _end(child)
-        if "result" in last:
-            return last["result"]
-        _raise(blender, last.get("error"), child.returncode, log.read_text("utf-8", "replace"))
+        if isinstance(last, Result):
+            return structure(last.result, request.answer, where=f"Blender's answer to the task {request.task}")
+        _raise(blender, last and last.error, child.returncode, log.read_text("utf-8", "replace"))
 
 
-def _listen(child: subprocess.Popen[bytes], messages: Path, progress: Progress) -> dict[str, Any]:
-    """Passes messages on until the child ends; the last one is the answer."""
-    last: dict[str, Any] = {}
-    done, rest = None, b""
-    with open(messages, "rb") as stream:
-        while True:
-            ended = child.poll() is not None  # asked before reading: what it wrote last is then there
-            rest += stream.read()
-            *lines, rest = rest.split(b"\n")
-            for line in lines:
-                last = json.loads(line)
-                if "stage" in last:
+def _listen(child: subprocess.Popen[bytes], messages: MessageFile, progress: Progress) -> Result | Failed | None:
+    """Passes progress on until the child ends; its answer, or None where it gave none."""
+    answer, done = None, None
+    while True:
+        ended = child.poll() is not None  # asked before reading: what it wrote last is then there
+        news = messages.read(ended=ended)
+        for message in news:
+            match message:
+                case Stage(name, total, unit):
                     done = None
-                    progress.stage(last["stage"], last["total"], last["unit"])
-                elif "done" in last:
-                    done = last["done"]
+                    progress.stage(name, total, unit)
+                case Done(done):
                     progress.advance(done)
-                elif "note" in last:
-                    progress.note(last["note"])
-            if ended:
-                return last
-            if done is not None and not lines:
-                progress.advance(done)  # nothing new, but the chance to stop
-            if isinstance(token := getattr(progress, "token", None), CancelToken):
-                token.check()
-            time.sleep(_POLL_S)
+                case Note(text):
+                    progress.note(text)
+                case _:
+                    answer = message
+        if ended:
+            return answer
+        if done is not None and not news:
+            progress.advance(done)  # nothing new, but the chance to stop
+        if isinstance(token := getattr(progress, "token", None), CancelToken):
+            token.check()
+        time.sleep(_POLL_S)
 
 
 def _end(child: subprocess.Popen[bytes]) -> None:
@@ -116,17 +151,16 @@ def _end(child: subprocess.Popen[bytes]) -> None:
     child.wait()
 
 
-def _raise(blender: Blender, error: dict[str, Any] | None, code: int, log: str) -> NoReturn:
+def _raise(blender: Blender, error: Failure | None, code: int, log: str) -> NoReturn:
     if reason := explain_missing(blender, log):
         raise reason
     tail = "\n".join(line for line in log.strip().splitlines()[-8:])
     if error is not None:
-        kinds = {2: UsageError, 3: InputError}
-        kind = kinds.get(error.get("exit_code", 4), BlenderError)
-        what = error["what"]
+        kind = _KINDS.get(error.exit_code, BlenderError)
+        what = error.what
         if kind is BlenderError and tail:
             what += f"\n{tail}\n"
-        raise kind(what, where=error.get("where", ""), remedy=error.get("remedy", ""))
+        raise kind(what, where=error.where, remedy=error.remedy)
     how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code} and no answer"
     raise BlenderError(
         f"Blender {blender.version} {how}" + (f"; its last words:\n{tail}\n" if tail else ""),

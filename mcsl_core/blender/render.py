@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import tempfile
 from pathlib import Path
+from typing import Any
+
+from attrs import field, frozen
 
 from mcsl_core import edl as edls
-from mcsl_core.blender import installation as blenders
-from mcsl_core.delivery import presets
-from mcsl_core.delivery.conform import Conformed, conform, default_folder
+from mcsl_core.delivery.conform import conform, default_folder
 from mcsl_core.delivery.direct import write_direct
-from mcsl_core.delivery.presets import Preset
+from mcsl_core.delivery.presets import Preset, load_preset, preset_of
 from mcsl_core.delivery.quality import Quality, quality_named
 from mcsl_core.edl import Edl
 from mcsl_core.errors import InputError, UsageError
@@ -23,87 +24,145 @@ from mcsl_core.hooks.registry import filler_of
 from mcsl_core.media.writing import Encoding
 from mcsl_core.progress import Progress, Silent
 
+from . import installation
 from .child import run_task
 from .installation import Blender
-from .timeline import piece_of, pull_from, timeline_request
+from .messages import RefreshRequest, RenderRequest, TimelineRequest
+from .timeline import piece_of, pull_from
 
 ENGINES = ("blender", "direct")
 AUDIO_CHANNELS = 2  # what Blender writes
 
 
-def render(
-    source: Path,
-    out: Path,
-    *,
-    preset: str | Path | Preset = "h264",
-    engine: str = "blender",
-    blender: str | Blender | None = None,
-    quality: str = "standard",
-    jobs: int | None = None,
-    show_origin: bool = False,
-    progress: Progress | None = None,
-) -> Path:
-    """Renders an EDL (.json) or a timeline (.blend) to ``out``; a video that was there is replaced whole or not at all.
+def _quality_of(given: str | Quality) -> Quality:
+    return given if isinstance(given, Quality) else quality_named(given)
 
-    A .blend is pulled into the EDL it names, conformed, and saved with the exact pictures in place; its own output
-    settings stay. Conformed media are kept beside the EDL and used again. blender: a path, or None for the first found.
-    quality: of the conformed pictures, see `quality`; without Blender it chooses the resampling alone. jobs: chunks
-    made at the same time, None for one a core. show_origin: a review copy, each camera's pixels in a tint of their own;
-    `direct` alone does that. Raises UsageError for a wrong call, and what pulling, conforming and
-    Blender raise.
+
+@frozen
+class RenderSettings:
+    """How a programme is rendered.
+
+    Parameters
+    ----------
+    preset
+        What is delivered: a preset's name, the path of a preset file, or a preset.
+    engine
+        ``blender`` renders the timeline with whatever the editor laid above the programme; ``direct`` writes the
+        programme without Blender.
+    blender
+        The Blender to start, or its path; None for the first that is found.
+    quality
+        Of the conformed pictures, see `mcsl_core.delivery.quality`; with ``direct`` it chooses the resampling alone.
+    jobs
+        Chunks made at the same time; None for one a core.
+    show_origin
+        A review copy with each camera's pixels in a tint of their own; ``direct`` alone does that.
+
+    Raises
+    ------
+    UsageError
+        There is no such engine, preset or quality, or two of the settings contradict each other.
+    """
+
+    preset: Preset = field(factory=lambda: load_preset("h264"), converter=preset_of)
+    engine: str = "blender"
+    blender: str | Blender | None = None
+    quality: Quality = field(factory=lambda: quality_named("standard"), converter=_quality_of)
+    jobs: int | None = None
+    show_origin: bool = False
+
+    def __attrs_post_init__(self) -> None:
+        if self.engine not in ENGINES:
+            raise UsageError(f"there is no engine {self.engine!r}", remedy=f"Take one of {', '.join(ENGINES)}")
+        if self.show_origin and self.engine != "direct":
+            raise UsageError(
+                "a review copy that shows where pixels come from is made directly", remedy="Add --engine direct"
+            )
+
+    def find_blender(self) -> Blender:
+        """The Blender to start. BlenderError where there is none."""
+        return self.blender if isinstance(self.blender, Blender) else installation.find(self.blender)
+
+
+def render(source: Path, out: Path, *, progress: Progress | None = None, **settings: Any) -> Path:
+    """Renders an EDL or a timeline to a video; one that was there is replaced whole or not at all.
+
+    A timeline is pulled into the EDL it names, conformed, and saved with the exact pictures in place; its own output
+    settings stay. Conformed media are kept beside the EDL and used again.
+
+    Parameters
+    ----------
+    source
+        An EDL (.json) or a timeline (.blend).
+    out
+        The video; its name ends as the preset's container does.
+    progress
+        Where the work reports to.
+    **settings
+        The fields of `RenderSettings`.
+
+    Returns
+    -------
+    Path
+        ``out``.
+
+    Raises
+    ------
+    UsageError, InputError
+        The call or a file is wrong; seen before any work.
+    McslError
+        What pulling, conforming and Blender raise.
     """
     progress = progress or Silent()
-    kind = preset if isinstance(preset, Preset) else presets.load_preset(preset)
-    pictures = quality_named(quality)
-    _check(source, out, kind, engine)
-    if show_origin and engine != "direct":
-        raise UsageError(
-            "a review copy that shows where pixels come from is made directly", remedy="Add --engine direct"
-        )
-    needed = engine == "blender" or source.suffix == ".blend"
-    found = blender if isinstance(blender, Blender) else blenders.find(blender) if needed else None
-    edl_path = source
-    if source.suffix == ".blend" and found is not None:
-        edl_path, edl = pull_from(source, blender=found, progress=progress)
+    how = RenderSettings(**settings)
+    _check(source, out, how.preset)
+    edl_path, blender = source, None
+    if how.engine == "blender" or source.suffix == ".blend":
+        blender = how.find_blender()
+    if source.suffix == ".blend" and blender is not None:
+        edl_path, edl = pull_from(source, blender=blender, progress=progress)
     else:
         edl = edls.load(source)
     out.parent.mkdir(parents=True, exist_ok=True)
-    if engine == "direct" or found is None:
-        _direct(edl, edl_path, out, kind, pictures, show_origin, progress)
+    if how.engine == "direct" or blender is None:
+        _direct(edl, edl_path, out, how, progress)
         return out
-    folder = default_folder(edl_path)
-    filler = filler_of(edl, progress)
-    done = conform(edl, edl_path.parent, folder, filler=filler, jobs=jobs, quality=pictures, progress=progress)
+    folder, filler = default_folder(edl_path), filler_of(edl, progress)
+    done = conform(edl, edl_path.parent, folder, filler=filler, jobs=how.jobs, quality=how.quality, progress=progress)
+    media = {
+        "edl": edl_path.resolve(),
+        "conformed": tuple(piece_of(chunk, done.folder.resolve()) for chunk in done.chunks),
+        "sound": None if done.audio is None else done.audio.resolve(),
+    }
     if source.suffix == ".blend":
-        _put_in_place("refresh", edl_path, source, done, kind, found, progress)
-        _in_blender(source, out, kind, found, progress)
-    else:
-        with tempfile.TemporaryDirectory(prefix="mcsl-render-") as folder:
-            blend = Path(folder) / "programme.blend"
-            _put_in_place("timeline", edl_path, blend, done, kind, found, progress)
-            _in_blender(blend, out, kind, found, progress)
+        run_task(blender, RefreshRequest(blend=source.resolve(), **media), progress)
+        _in_blender(source, out, how.preset, blender, progress)
+        return out
+    with tempfile.TemporaryDirectory(prefix="mcsl-render-") as name:
+        blend = Path(name).resolve() / "programme.blend"
+        video = f"{blend.stem}.{how.preset.container}"
+        run_task(blender, TimelineRequest(blend=blend, preset=how.preset, output=video, **media), progress)
+        _in_blender(blend, out, how.preset, blender, progress)
     return out
 
 
-def _check(source: Path, out: Path, kind: Preset, engine: str) -> None:
-    """Everything that can be wrong with the call, before any work."""
-    if engine not in ENGINES:
-        raise UsageError(f"there is no engine {engine!r}", remedy=f"Take one of {', '.join(ENGINES)}")
+def _check(source: Path, out: Path, preset: Preset) -> None:
+    """What can be wrong with the files, before any work."""
     if source.suffix not in (".json", ".blend"):
         raise UsageError("is neither an EDL (.json) nor a timeline (.blend)", where=str(source))
     if not source.is_file():
         raise InputError("is missing", where=str(source), remedy="Make it with `mcsl analyse` or `mcsl timeline`")
-    if out.suffix != f".{kind.container}":
+    if out.suffix != f".{preset.container}":
         raise UsageError(
-            f"the preset writes .{kind.container} files",
+            f"the preset writes .{preset.container} files",
             where=str(out),
-            remedy=f"Name it {out.stem}.{kind.container}, or take another preset",
+            remedy=f"Name it {out.stem}.{preset.container}, or take another preset",
         )
 
 
-def encoding_of(kind: Preset) -> Encoding:
+def encoding_of(preset: Preset) -> Encoding:
     """A preset's direct half as the video writer takes it."""
-    direct = kind.direct
+    direct = preset.direct
     return Encoding(
         codec=direct.codec,
         options=direct.options,
@@ -114,40 +173,26 @@ def encoding_of(kind: Preset) -> Encoding:
     )
 
 
-def _direct(
-    edl: Edl, edl_path: Path, out: Path, kind: Preset, pictures: Quality, show_origin: bool, progress: Progress
-) -> None:
+def _direct(edl: Edl, edl_path: Path, out: Path, how: RenderSettings, progress: Progress) -> None:
     filler = filler_of(edl, progress)
     write_direct(
         edl,
         edl_path.parent,
         out,
-        encoding=encoding_of(kind),
-        size=kind.scaled(edl.size),
+        encoding=encoding_of(how.preset),
+        size=how.preset.scaled(edl.size),
         audio_channels=AUDIO_CHANNELS,
-        keyframe_interval=kind.direct.gop,
-        filler=ShowProvenance(filler, [c.name for c in edl.cameras]) if show_origin else filler,
-        resampling=pictures.resampling,
+        keyframe_interval=how.preset.direct.gop,
+        filler=ShowProvenance(filler, [c.name for c in edl.cameras]) if how.show_origin else filler,
+        resampling=how.quality.resampling,
         progress=progress,
     )
 
 
-def _put_in_place(
-    task: str, edl_path: Path, blend: Path, done: Conformed, kind: Preset, found: Blender, progress: Progress
-) -> None:
-    folder = done.folder.resolve()
-    sound = None if done.audio is None else str(done.audio.resolve())
-    request = timeline_request(edl_path, blend, [piece_of(chunk, folder) for chunk in done.chunks], sound)
-    if task == "timeline":  # an editor's .blend keeps its own output settings
-        request |= {"preset": kind.for_blender(), "output": f"{blend.stem}.{kind.container}"}
-    run_task(found, {**request, "task": task}, progress)
-
-
-def _in_blender(blend: Path, out: Path, kind: Preset, found: Blender, progress: Progress) -> None:
+def _in_blender(blend: Path, out: Path, preset: Preset, blender: Blender, progress: Progress) -> None:
     part = out.resolve().with_name(f".{out.stem}.part{out.suffix}")
-    request = {"task": "render", "blend": str(blend.resolve()), "preset": kind.for_blender(), "output": str(part)}
     try:
-        run_task(found, request, progress)
+        run_task(blender, RenderRequest(blend=blend.resolve(), preset=preset, output=part), progress)
         part.replace(out)
     finally:
         part.unlink(missing_ok=True)

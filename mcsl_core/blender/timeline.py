@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+
+import attrs
 
 from mcsl_core import edl as edls
-from mcsl_core.delivery import presets
 from mcsl_core.delivery.audio import sound_key, sound_of
 from mcsl_core.delivery.chunk_keys import Chunk, chunks_present, media_fingerprints
 from mcsl_core.delivery.conform import default_folder
-from mcsl_core.delivery.presets import Preset
+from mcsl_core.delivery.presets import Preset, preset_of
 from mcsl_core.documents import write_atomic
 from mcsl_core.edl import Edl
 from mcsl_core.edl.edits import rebased
@@ -20,6 +20,7 @@ from mcsl_core.progress import Progress, Silent
 
 from .child import run_task
 from .installation import Blender
+from .messages import BuiltTimeline, ConformedPiece, ReadRequest, TimelineRequest
 
 
 def build_timeline(
@@ -30,12 +31,31 @@ def build_timeline(
     preset: str | Path | Preset = "h264",
     conformed: Path | None = None,
     progress: Progress | None = None,
-) -> dict[str, Any]:
+) -> BuiltTimeline:
     """Builds the timeline of an EDL; the .blend is replaced whole or not at all.
 
-    conformed: folder of conformed media; None takes the one beside the EDL. Those of its files that belong to the EDL
-    as it is are put in place, the rest of the programme shows Blender's preview. Returns {"blend", "strips",
-    "frames", "conformed"}. Raises InputError for a wrong EDL or missing media, BlenderError when Blender fails.
+    Those conformed media that belong to the EDL as it is are put in place, the rest of the programme shows Blender's
+    preview.
+
+    Parameters
+    ----------
+    edl_path, blend_path
+        The EDL, and the .blend to write.
+    blender
+        The Blender to start.
+    preset
+        The output settings that the .blend is given: a name, the path of a preset file, or a preset.
+    conformed
+        Folder of conformed media; None takes the one beside the EDL.
+    progress
+        Where the work reports to.
+
+    Raises
+    ------
+    InputError
+        The EDL is wrong, or media are missing.
+    BlenderError
+        Blender failed.
     """
     edl = edls.load(edl_path)
     _check_blend_name(blend_path)
@@ -43,11 +63,17 @@ def build_timeline(
     if conformed is not None and not folder.is_dir():
         raise InputError("is not a folder", where=str(folder), remedy="Make it with `mcsl conform`")
     pieces, sound = in_place(edl, edl_path.parent, folder)
-    request = timeline_request(edl_path, blend_path, pieces, sound)
-    kind = preset if isinstance(preset, Preset) else presets.load_preset(preset)
-    request |= {"task": "timeline", "preset": kind.for_blender(), "output": f"{blend_path.stem}.{kind.container}"}
+    output = preset_of(preset)
+    request = TimelineRequest(
+        edl=edl_path.resolve(),
+        blend=blend_path.resolve(),
+        conformed=pieces,
+        sound=sound,
+        preset=output,
+        output=f"{blend_path.stem}.{output.container}",
+    )
     blend_path.parent.mkdir(parents=True, exist_ok=True)
-    return {**run_task(blender, request, progress), "conformed": len(pieces)}
+    return run_task(blender, request, progress)
 
 
 def pull_overrides(
@@ -55,8 +81,13 @@ def pull_overrides(
 ) -> Edl:
     """Reads the editor's decisions into the EDL that the .blend names, or into a copy of it at ``edl_out``.
 
-    Nothing but overrides and corrections changes; where nothing was decided anew, the file is left as it is, to the
-    byte. Raises InputError naming strip and frame of what cannot be read; nothing is written then.
+    Nothing but overrides, corrections and the look changes; where nothing was decided anew, the file is left as it
+    is, to the byte.
+
+    Raises
+    ------
+    InputError
+        Something in the timeline cannot be read; it names strip and frame. Nothing is written then.
     """
     return pull_from(blend_path, edl_out, blender=blender, progress=progress)[1]
 
@@ -64,59 +95,51 @@ def pull_overrides(
 def pull_from(
     blend_path: Path, edl_out: Path | None = None, *, blender: Blender, progress: Progress | None = None
 ) -> tuple[Path, Edl]:
-    """As `pull`; also returns where the EDL lies that was written."""
+    """As `pull_overrides`; also returns where the EDL lies that was written."""
     progress = progress or Silent()
     _check_blend_name(blend_path)
     progress.stage("reading the timeline")
-    found = run_task(blender, {"task": "read", "blend": str(blend_path.resolve())}, progress)
-    edl_path = Path(found["edl"])
-    edl = edls.load(edl_path)
-    target = edl_path if edl_out is None else edl_out
-    if found["changed"]:
-        value = edls.to_json(edl)
-        decided = {name: found[name] for name in ("overrides", "corrections", "look")}
-        edl = edls.from_json({**value, **decided}, where=str(blend_path))
-    if target.resolve() == edl_path.resolve():
-        if found["changed"]:
+    decided = run_task(blender, ReadRequest(blend_path.resolve()), progress)
+    edl = edls.load(decided.edl)
+    target = decided.edl if edl_out is None else edl_out
+    if decided.changed:
+        edl = attrs.evolve(edl, overrides=decided.overrides, corrections=decided.corrections, look=decided.look)
+    if target.resolve() == decided.edl.resolve():
+        if decided.changed:
             edls.save(edl, target)
         return target, edl
-    moved = rebased(edl, edl_path.parent, target.parent)
-    if moved == edl and not found["changed"]:
-        write_atomic(target, edl_path.read_bytes())
+    moved = rebased(edl, decided.edl.parent, target.parent)
+    if moved == edl and not decided.changed:
+        write_atomic(target, decided.edl.read_bytes())
     else:
         edls.save(moved, target)
     return target, moved
 
 
-def timeline_request(
-    edl_path: Path, blend_path: Path, pieces: list[dict[str, Any]], sound: str | None
-) -> dict[str, Any]:
-    """What the tasks `timeline` and `refresh` share; paths absolute."""
-    return {
-        "edl": str(edl_path.resolve()),
-        "blend": str(blend_path.resolve()),
-        "conformed": pieces,
-        "sound": sound,
-    }
+def in_place(edl: Edl, base: Path, folder: Path) -> tuple[tuple[ConformedPiece, ...], Path | None]:
+    """The conformed files in ``folder`` that belong to ``edl`` as it is, and the conformed sound.
 
+    Of each stretch of the programme the file of the finest quality that is there, whatever was conformed last.
 
-def in_place(edl: Edl, base: Path, folder: Path) -> tuple[list[dict[str, Any]], str | None]:
-    """The conformed files in ``folder`` that belong to ``edl`` as it is: their ranges and paths, and the sound's.
-
-    Of each stretch the one of the finest quality that is there, whatever quality was conformed last.
+    Parameters
+    ----------
+    edl, base
+        The EDL, and the folder its paths are relative to.
+    folder
+        Where conformed media lie, or would.
     """
     if not folder.is_dir():
-        return [], None
+        return (), None
     folder = folder.resolve()
-    pieces = [piece_of(chunk, folder) for chunk in chunks_present(edl, base, folder, filler=filler_of(edl))]
+    pieces = tuple(piece_of(chunk, folder) for chunk in chunks_present(edl, base, folder, filler=filler_of(edl)))
     camera = sound_of(edl, None)
     sound = folder / f"sound-{sound_key(edl, camera, media_fingerprints(edl.camera(camera), base))}.wav"
-    return pieces, str(sound) if sound.is_file() else None
+    return pieces, sound if sound.is_file() else None
 
 
-def piece_of(chunk: Chunk, folder: Path) -> dict[str, Any]:
-    """A conformed chunk as the tasks take it."""
-    return {"range": [chunk.range.start, chunk.range.stop], "path": str(folder / chunk.name)}
+def piece_of(chunk: Chunk, folder: Path) -> ConformedPiece:
+    """A conformed chunk that lies in ``folder``, as messages have it."""
+    return ConformedPiece(chunk.range, folder / chunk.name)
 
 
 def _check_blend_name(path: Path) -> None:

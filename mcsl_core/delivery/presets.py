@@ -91,17 +91,15 @@ class Preset:
         width, height = (max(2, v * self.scale_percent // 100 // 2 * 2) for v in size)
         return width, height
 
-    def for_blender(self) -> dict[str, Any]:
-        """What blender_addon/output.py takes."""
-        return {**attrs.asdict(self.blender), "scale_percent": self.scale_percent}
-
 
 _converter = make_converter()
 
 
 def presets_folder() -> Path:
-    """Where the presets that come with mcsl lie: beside the package, in the source tree and when installed."""
-    return Path(__file__).resolve().parents[2] / "render_presets"
+    """Where the presets that come with mcsl lie: beside mcsl_core in the source tree, in it where it is installed."""
+    package = Path(__file__).resolve().parents[1]
+    beside = package.parent / "render_presets"
+    return beside if beside.is_dir() else package / "render_presets"
 
 
 def preset_names() -> list[str]:
@@ -132,3 +130,8 @@ def load_preset(name: str | Path) -> Preset:
         )
     rest = {key: item for key, item in value.items() if key != "schema"}
     return structure_document(rest, Preset, _converter, where=str(path), name="a preset (blender.md)")
+
+
+def preset_of(given: str | Path | Preset) -> Preset:
+    """A preset as it is, or the one that `load_preset` finds under a name or path."""
+    return given if isinstance(given, Preset) else load_preset(given)

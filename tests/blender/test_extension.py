@@ -168,7 +168,7 @@ def test_the_log_warns_when_a_file_shows_other_than_it_decides(project, blender,
     edl = project / "edl.json"
     conform(edls.load(edl), project, default_folder(edl), jobs=1)
     built = project / "edit.blend"
-    assert build_timeline(edl, built, blender=blender)["conformed"] == 1
+    assert build_timeline(edl, built, blender=blender).conformed == 1
     in_blender(blender, built, "at(5, 10).multicam_source = 2")
     code = f"""
     bpy.ops.wm.open_mainfile(filepath={str(built)!r})

@@ -9,13 +9,12 @@ from typing import ClassVar
 
 import bpy  # pyright: ignore[reportMissingImports]
 
+from mcsl_core.blender.messages import ConformedMedia, structure
 from mcsl_core.errors import InputError, McslError
-from mcsl_core.timing import FrameRange
 
 from ...core import camera_files as recordings
-from ...core import presets as deliveries
+from ...core import presets
 from ...core import shot_list as shots
-from ...core.strip_plan import ConformedPiece
 from ...sequencer import conformed, output
 from ...sequencer import scene_properties as scenes
 from ...sequencer.build import has_sound
@@ -50,8 +49,8 @@ class MCSL_OT_conform(bpy.types.Operator):
             def follow(result):
                 if (target := bpy.data.scenes.get(name)) is None or target.sequence_editor is None:
                     raise InputError(told("the scene {name} is gone").format(name=name))
-                pieces = [ConformedPiece(FrameRange(*p["range"]), p["path"]) for p in result["pieces"]]
-                yield from conformed.place(target, edl, pieces, result.get("sound"), path.parent)
+                media = structure(result, ConformedMedia, where="mcsl conform")
+                yield from conformed.place(target, edl, media.pieces, media.sound, path.parent)
                 watching.look(target)
                 if bpy.data.filepath:
                     bpy.ops.file.make_paths_relative()
@@ -121,18 +120,18 @@ class MCSL_OT_apply_preset(bpy.types.Operator):
 
 def set_output(scene, work) -> Path:
     """The scene's output from the panel's preset and file; the file it will write. InputError without a folder."""
-    delivery = next(d for d in deliveries.load_all() if d.name == work.preset)
+    preset = presets.load_all()[work.preset]
     if work.video:
         target = Path(bpy.path.abspath(work.video))
         if not target.suffix:
-            target = target.with_suffix(f".{delivery.container}")
+            target = target.with_suffix(f".{preset.container}")
     elif bpy.data.filepath:
-        target = Path(bpy.data.filepath).with_suffix(f".{delivery.container}")
+        target = Path(bpy.data.filepath).with_suffix(f".{preset.container}")
     else:
         raise InputError(told("there is no name for the video"), remedy=told("Save the file, or choose an output"))
-    if target.suffix != f".{delivery.container}":
+    if target.suffix != f".{preset.container}":
         raise InputError(
-            told("the preset writes .{container} files").format(container=delivery.container),
+            told("the preset writes .{container} files").format(container=preset.container),
             where=str(target),
             remedy=told("Name it so, or take another preset"),
         )
@@ -140,7 +139,7 @@ def set_output(scene, work) -> Path:
         raise InputError(told("is not a folder"), where=str(target.parent), remedy=told("Choose another output"))
     render = scene.render
     render.resolution_x, render.resolution_y = scenes.edl_of(scene).size  # a preset before may have made it even
-    output.apply(scene, delivery.blender, str(target), sound=has_sound(scene))
+    output.apply(scene, preset, str(target), sound=has_sound(scene))
     return target
 
 

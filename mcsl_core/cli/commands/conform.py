@@ -26,6 +26,7 @@ def conform(session: Session, edl: Path, out: Path | None, quality: str, jobs: i
     Qualities lie beside each other; a timeline shows the finest there is of each stretch.
     """
     from mcsl_core import edl as edls
+    from mcsl_core.blender.messages import ConformedMedia, to_json
     from mcsl_core.blender.timeline import piece_of
     from mcsl_core.delivery import conform as conforming
     from mcsl_core.delivery.quality import quality_named
@@ -44,13 +45,11 @@ def conform(session: Session, edl: Path, out: Path | None, quality: str, jobs: i
             quality=kind,
             progress=progress,
         )
-    session.result(
-        {
-            "folder": str(folder),
-            "chunks": len(done.chunks),
-            "made": done.made,
-            "pieces": [piece_of(chunk, folder.resolve()) for chunk in done.chunks],
-            "sound": None if done.audio is None else str(done.audio.resolve()),
-        },
-        f"{folder}: {len(done.chunks)} chunks, {done.made} made now",
+    media = ConformedMedia(
+        folder=folder,
+        chunks=len(done.chunks),
+        made=done.made,
+        pieces=tuple(piece_of(chunk, folder.resolve()) for chunk in done.chunks),
+        sound=None if done.audio is None else done.audio.resolve(),
     )
+    session.result(to_json(media), f"{folder}: {len(done.chunks)} chunks, {done.made} made now")

@@ -17,6 +17,7 @@ from mcsl_core.hooks.stages import STAGES
 @click.pass_obj
 def list_plugins(session: Session, as_json: bool) -> None:
     """List what can do each stage, built in or installed."""
+    from mcsl_core.blender.messages import OfferedPlugin, to_json
     from mcsl_core.cli.console import offers_table
     from mcsl_core.hooks.registry import discover
 
@@ -24,16 +25,9 @@ def list_plugins(session: Session, as_json: bool) -> None:
         offers = discover().offers
     if as_json or session.json:
         rows = [
-            {
-                "stage": o.stage,
-                "name": o.name,
-                "package": o.package,
-                "version": o.version,
-                "summary": o.summary,
-                "default": STAGES[o.stage].default == o.name,
-            }
+            OfferedPlugin(o.stage, o.name, o.package, o.version, o.summary, default=STAGES[o.stage].default == o.name)
             for o in offers
         ]
-        click.echo(json.dumps(rows, indent=2, ensure_ascii=False))
+        click.echo(json.dumps([to_json(row) for row in rows], indent=2, ensure_ascii=False))
         return
     session.out.print(offers_table(offers))

@@ -20,13 +20,14 @@ from mcsl_core.cli.output import Session
 def timeline(session: Session, edl: Path, out: Path, preset: str, conformed: Path | None, blender: str | None) -> None:
     """Build the Blender timeline of EDL."""
     from mcsl_core.blender import installation
+    from mcsl_core.blender.messages import to_json
     from mcsl_core.blender.timeline import build_timeline
 
     with session.progress() as progress:
-        values = build_timeline(
+        built = build_timeline(
             edl, out, blender=installation.find(blender), preset=preset, conformed=conformed, progress=progress
         )
-    session.result({"blend": str(out), **(values or {})}, f"{out}: open it in Blender, or render it: mcsl render {out}")
+    session.result(to_json(built), f"{out}: open it in Blender, or render it: mcsl render {out}")
 
 
 @click.command()

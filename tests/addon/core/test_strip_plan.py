@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from pathlib import Path
 
 import attrs
 import pytest
@@ -13,13 +14,13 @@ from hypothesis import strategies as st
 
 from blender_addon.core.similarity import Transform, closest, fitted, invert, project
 from blender_addon.core.strip_plan import (
-    ConformedPiece,
     OffsetKey,
     automatic_from_text,
     automatic_to_text,
     first_frame,
     make_plan,
 )
+from mcsl_core.blender.messages import ConformedPiece
 from mcsl_core.edl import IDENTITY, Camera, Clock, Look, Media, Movement, Override, Pose, Shot, Weak
 from mcsl_core.edl.placement import multiply
 from mcsl_core.edl.resolve import resolve, shift_at
@@ -135,9 +136,9 @@ def test_a_weak_camera_is_shown_whole_and_not_centered():
 
 
 def test_conformed_pieces_and_sound_are_taken_over_in_order():
-    pieces = [ConformedPiece(R(150, 300), "b.mp4"), ConformedPiece(R(0, 150), "a.mp4")]
-    plan = make_plan(small_edl(), pieces, "sound.wav")
-    assert [p.path for p in plan.conformed] == ["a.mp4", "b.mp4"]
+    pieces = [ConformedPiece(R(150, 300), Path("b.mp4")), ConformedPiece(R(0, 150), Path("a.mp4"))]
+    plan = make_plan(small_edl(), pieces, Path("sound.wav"))
+    assert [str(p.path) for p in plan.conformed] == ["a.mp4", "b.mp4"]
     assert [(s.path, s.start) for s in plan.sound] == [("sound.wav", 0)]
     assert [(s.path, s.start) for s in make_plan(small_edl()).sound] == [("cam1.mp4", 0)]
 

@@ -59,6 +59,12 @@ def test_an_error_is_one_line_that_says_what_where_and_what_to_do():
     assert (status.outcome, status.message) == ("failed", "cam1.mp4: is missing. Put it back")
 
 
+def test_a_message_with_a_wrong_value_ends_the_job_and_names_it():
+    status = child("say(stage='x', total='many'); time.sleep(60)").wait(30)
+    assert status.outcome == "failed"
+    assert status.message.startswith('a line of progress at $.total: expected a whole number, got "many". mcsl and its')
+
+
 def test_a_child_that_fails_without_a_word_is_told_by_its_last_line():
     assert child("sys.exit('no module named cv2')").wait(30).message == "mcsl failed: no module named cv2"
     assert child("sys.exit(9)").wait(30).message == "mcsl failed: it ended with code 9 and said nothing"

@@ -10,7 +10,9 @@ from blender_recording import FRAMES, LIGHT, R, an_edl, in_blender
 
 from mcsl_core import edl as edls
 from mcsl_core.blender.child import run_task
+from mcsl_core.blender.messages import ConformedPiece, TimelineRequest
 from mcsl_core.blender.timeline import build_timeline, pull_overrides
+from mcsl_core.delivery.presets import load_preset
 from mcsl_core.edl import IDENTITY, Override
 from mcsl_core.errors import BlenderError, InputError, UsageError
 
@@ -159,14 +161,14 @@ def test_two_timelines_in_one_file_and_a_newer_schema_are_refused(built, blender
 
 
 def test_a_conformed_file_of_the_wrong_length_is_refused(project, blender):
-    request = {
-        "task": "timeline",
-        "edl": str(project / "edl.json"),
-        "blend": str(project / "edit.blend"),
-        "conformed": [{"range": [0, 50], "path": str(project / "cam3.mp4")}],
-        "sound": None,
-        "preset": None,
-    }
+    request = TimelineRequest(
+        edl=project / "edl.json",
+        blend=project / "edit.blend",
+        conformed=(ConformedPiece(R(0, 50), project / "cam3.mp4"),),
+        sound=None,
+        preset=load_preset("h264"),
+        output="edit.mp4",
+    )
     with pytest.raises(BlenderError, match=r"cam3\.mp4: has 60 frames, 50 belong there"):
         run_task(blender, request)
 

@@ -13,8 +13,9 @@ from spots import SPOTS, middles, projected, spots
 from mcsl_core import edl as edls
 from mcsl_core.blender import render as rendering
 from mcsl_core.blender.child import run_task
+from mcsl_core.blender.messages import RenderRequest
 from mcsl_core.blender.timeline import build_timeline, pull_overrides
-from mcsl_core.delivery import presets
+from mcsl_core.delivery.presets import load_preset
 from mcsl_core.edl import IDENTITY, Camera, Media, Override, Pose, Shot
 
 ON = textwrap.indent(textwrap.dedent(SWITCH_ON), " " * 8)
@@ -118,11 +119,11 @@ def test_the_exact_picture_moves_as_the_editor_saw_the_preview_move(tmp_path, bl
     path, blend = tmp_path / "edl.json", tmp_path / "edit.blend"
     edls.save(edl, path)
     build_timeline(path, blend, blender=blender)
-    preset = presets.load_preset("archive").for_blender()
+    preset = load_preset("archive")
 
     def preview(name):
         out = tmp_path / name
-        run_task(blender, {"task": "render", "blend": str(blend), "preset": preset, "output": str(out)})
+        run_task(blender, RenderRequest(blend=blend, preset=preset, output=out))
         return middles(first_luma(out))
 
     def exact(name):

@@ -8,6 +8,7 @@ from blender_recording import FRAMES, R, in_blender
 
 from mcsl_core import edl as edls
 from mcsl_core.blender.child import run_task
+from mcsl_core.blender.messages import RefreshRequest
 from mcsl_core.blender.timeline import build_timeline, pull_overrides
 from mcsl_core.edl import IDENTITY, Override, Shot
 from mcsl_core.edl.edits import carry_over
@@ -202,9 +203,9 @@ def test_a_camera_that_came_into_the_edl_gets_a_channel_and_every_shot_its_camer
         poses=tuple(attrs.evolve(p, homographies={**p.homographies, "cam6": IDENTITY}) for p in old.poses),
     )
     edls.save(new, path)
-    request = {"edl": str(path), "blend": str(built), "conformed": [], "sound": None}
+    request = RefreshRequest(edl=path, blend=built, conformed=(), sound=None)
     heard = Notes()
-    run_task(blender, {**request, "task": "refresh"}, heard)
+    run_task(blender, request, heard)
     assert any("camera strips were made anew" in note for note in heard.notes)
     code = """
         cameras = sorted({(s.channel, s["mcsl_camera"]) for s in strips if s.get("mcsl_camera")})
@@ -225,9 +226,9 @@ def test_an_unchanged_edl_leaves_the_camera_strips_as_they_are(built, blender):
     in_blender(blender, built, 'at(3, 40).name = "mine"; at(3, 0).transform.offset_x = 5.0')
     path = built.parent / "edl.json"
     pull_overrides(built, blender=blender)
-    request = {"edl": str(path), "blend": str(built), "conformed": [], "sound": None}
+    request = RefreshRequest(edl=path, blend=built, conformed=(), sound=None)
     heard = Notes()
-    run_task(blender, {**request, "task": "refresh"}, heard)
+    run_task(blender, request, heard)
     assert heard.notes == []
     code = "out = [at(3, 40).name, at(3, 0).transform.offset_x]"
     assert in_blender(blender, built, code, save=False) == ["mine", 5]

@@ -13,8 +13,9 @@ from spots import SPOTS, middles, projected, spots
 
 from mcsl_core import edl as edls
 from mcsl_core.blender.child import run_task
+from mcsl_core.blender.messages import RenderRequest
 from mcsl_core.blender.timeline import build_timeline
-from mcsl_core.delivery import presets
+from mcsl_core.delivery.presets import load_preset
 from mcsl_core.edl import IDENTITY, Camera, Media, Pose, Shot
 
 
@@ -37,8 +38,8 @@ def rendered(tmp_path, blender, homography, anchor, size, programme):
     edls.save(edl, tmp_path / "edl.json")
     build_timeline(tmp_path / "edl.json", tmp_path / "edit.blend", blender=blender)
     out = tmp_path / "out.mkv"
-    preset = presets.load_preset("archive").for_blender()
-    run_task(blender, {"task": "render", "blend": str(tmp_path / "edit.blend"), "preset": preset, "output": str(out)})
+    preset = load_preset("archive")
+    run_task(blender, RenderRequest(blend=tmp_path / "edit.blend", preset=preset, output=out))
     with av.open(str(out)) as container:
         return next(container.decode(video=0)).to_ndarray(format="gray")
 

@@ -189,7 +189,7 @@ def test_a_timeline_built_after_conforming_has_the_exact_pictures_in_place(proje
     from mcsl_core.blender.timeline import build_timeline
 
     render(project / "edl.json", project / "out.mp4", preset="review", blender=blender)
-    assert build_timeline(project / "edl.json", project / "edit.blend", blender=blender)["conformed"] == 1
+    assert build_timeline(project / "edl.json", project / "edit.blend", blender=blender).conformed == 1
     code = "out = {s['mcsl']: [s.channel, *span(s)] for s in strips if s.get('mcsl') in ('conformed', 'sound')}"
     found = in_blender(blender, project / "edit.blend", code, save=False)
     assert found == {"sound": [1, 0, FRAMES], "conformed": [7, 0, FRAMES]}

@@ -9,11 +9,13 @@ import time
 from pathlib import Path
 
 import pytest
+from attrs import frozen
 
-from mcsl_core.blender import child as blender_child
+from mcsl_core.blender import child
 from mcsl_core.blender.child import run_task
-from mcsl_core.delivery import presets
-from mcsl_core.errors import BlenderError, Cancelled, InputError
+from mcsl_core.blender.messages import ReadRequest, RenderRequest, Request
+from mcsl_core.delivery.presets import load_preset
+from mcsl_core.errors import BlenderError, Cancelled, DocumentError, InputError
 from mcsl_core.progress import CancelToken, Silent
 
 
@@ -37,8 +39,7 @@ class Recorder(Silent):
 
 
 def render_request(built, out):
-    preset = presets.load_preset("h264").for_blender()
-    return {"task": "render", "blend": str(built), "preset": preset, "output": str(out)}
+    return RenderRequest(blend=built, preset=load_preset("h264"), output=out)
 
 
 def children() -> list[int]:
@@ -50,7 +51,7 @@ def children() -> list[int]:
             arguments = (process / "cmdline").read_bytes()
         except OSError:  # ended while we looked
             continue
-        if parent == os.getpid() and b"background.py" in arguments:
+        if parent == os.getpid() and b"__main__.py" in arguments:
             found.append(int(process.name))
     return found
 
@@ -58,7 +59,7 @@ def children() -> list[int]:
 def test_progress_comes_as_it_happens(built, blender, tmp_path):
     progress = Recorder()
     result = run_task(blender, render_request(built, tmp_path / "out.mp4"), progress)
-    assert result["frames"] == 60
+    assert result.frames == 60
     assert progress.seen[0] == ("render", 60, "frames")
     assert progress.seen[-1] == 60
 
@@ -88,18 +89,52 @@ def test_a_killed_child_is_told_as_such(built, blender, tmp_path):
         run_task(blender, render_request(built, tmp_path / "out.mp4"), Killer())
 
 
+@frozen
+class NoSuchTask(Request[dict]):
+    task = "no such task"
+    answer = dict
+
+
 def test_an_unexpected_failure_brings_the_childs_last_words(blender, tmp_path):
     with pytest.raises(BlenderError, match=r"KeyError: 'no such task'[\s\S]*Traceback|Traceback[\s\S]*no such task"):
-        run_task(blender, {"task": "no such task"})
+        run_task(blender, NoSuchTask())
 
 
 def test_a_refusal_keeps_its_kind_place_and_remedy(blender, tmp_path):
     with pytest.raises(InputError) as caught:
-        run_task(blender, {"task": "read", "blend": str(tmp_path / "none.blend")})
+        run_task(blender, ReadRequest(tmp_path / "none.blend"))
     assert caught.value.what == "is missing"
     assert caught.value.where == str(tmp_path / "none.blend")
     assert "mcsl timeline" in caught.value.remedy
     assert caught.value.exit_code == 3
+
+
+def test_a_wrong_request_is_refused_with_the_path_to_the_value(blender, tmp_path):
+    """What the child is handed is checked there too: here by a request that stands in for another task's."""
+
+    @frozen
+    class Lame(Request[dict]):
+        task = "read"
+        answer = dict
+        blend: int = 3
+
+    with pytest.raises(InputError, match=r"the request of the task read at \$\.blend: expected a text, got 3"):
+        run_task(blender, Lame())
+
+
+def test_a_wrong_answer_is_refused_with_the_path_to_the_value(built, blender):
+    @frozen
+    class Expecting:
+        edl: int
+
+    @frozen
+    class Reading(Request[Expecting]):
+        task = "read"
+        answer = Expecting
+        blend: Path
+
+    with pytest.raises(DocumentError, match=r"Blender's answer to the task read at \$"):
+        run_task(blender, Reading(built))
 
 
 def test_the_users_settings_play_no_part(built, blender, tmp_path, monkeypatch):
@@ -109,22 +144,23 @@ def test_the_users_settings_play_no_part(built, blender, tmp_path, monkeypatch):
             (folder / name).write_text(f"open({str(tmp_path / 'the user was here')!r}, 'w')")
     monkeypatch.setenv("BLENDER_USER_RESOURCES", str(tmp_path / "user"))
     monkeypatch.setenv("PYTHONPATH", str(tmp_path / "packages"))
-    assert run_task(blender, {"task": "read", "blend": str(built)})["changed"] is False
+    assert run_task(blender, ReadRequest(built)).changed is False
     assert not (tmp_path / "the user was here").exists()
 
 
 def test_the_child_searches_blenders_own_packages_first(blender, tmp_path, monkeypatch):
     """A probe in the place of the add-on tells what the child sees; our numpy lies on the paths it is given."""
-    package = tmp_path / "blender_addon"
-    package.mkdir()
-    (package / "__init__.py").touch()
+    package = tmp_path / "blender_addon" / "worker"
+    package.mkdir(parents=True)
     (package / "tasks.py").write_text(
-        "import sys, numpy\nTASKS = {'look': lambda request, progress: {'path': sys.path, 'numpy': numpy.__file__}}\n"
+        "import sys, numpy\ndef carry_out(*_): return {'path': sys.path, 'numpy': numpy.__file__}\n"
     )
-    ours = blender_child.search_paths()
-    monkeypatch.setattr(blender_child, "search_paths", lambda: [str(tmp_path), *ours])
-    seen = run_task(blender, {"task": "look"})
-    assert str(blender_child.script().parent) not in seen["path"]
+    for folder in (package, package.parent):
+        (folder / "__init__.py").touch()
+    ours = child.search_paths()
+    monkeypatch.setattr(child, "search_paths", lambda: [str(tmp_path), *ours])
+    seen = run_task(blender, NoSuchTask())
+    assert str(child.script().parent) not in seen["path"]
     assert seen["path"][-len(ours) :] == ours
     assert Path(seen["numpy"]).parents[1] not in [Path(p) for p in ours]
 

@@ -12,6 +12,7 @@ import pytest
 
 from mcsl_core.blender import installation as blender
 from mcsl_core.blender.child import run_task
+from mcsl_core.blender.messages import ReadRequest
 from mcsl_core.errors import BlenderError, Cancelled, UsageError
 from mcsl_core.progress import Silent
 
@@ -145,10 +146,10 @@ def test_a_child_that_lacks_a_library_is_told_apart_from_a_crash(tmp_path):
     said = "ImportError: libXi.so.6: cannot open shared object file: No such file or directory"
     broken = blender.Blender("module", (str(program(tmp_path / "python", said, 1)),), "5.0.1", "a test")
     with pytest.raises(BlenderError, match=r"lacks libXi\.so\.6\. Run: apt-get install -y libxi6"):
-        run_task(broken, {"task": "read", "blend": "edit.blend"})
+        run_task(broken, ReadRequest(tmp_path / "edit.blend"))
     other = blender.Blender("module", (str(program(tmp_path / "other", "boom", 3)),), "5.0.1", "a test")
     with pytest.raises(BlenderError, match=r"ended with code 3 and no answer; its last words:\nboom"):
-        run_task(other, {"task": "read", "blend": "edit.blend"})
+        run_task(other, ReadRequest(tmp_path / "edit.blend"))
 
 
 def test_a_cancel_ends_a_silent_child_and_what_it_started(tmp_path):
@@ -165,7 +166,9 @@ def test_a_cancel_ends_a_silent_child_and_what_it_started(tmp_path):
     threading.Thread(target=cancel_when_started, daemon=True).start()
     begun = time.monotonic()
     with pytest.raises(Cancelled):
-        run_task(blender.Blender("module", (str(lazy),), "5.0.1", "a test"), {"task": "read"}, progress)
+        run_task(
+            blender.Blender("module", (str(lazy),), "5.0.1", "a test"), ReadRequest(tmp_path / "a.blend"), progress
+        )
     assert time.monotonic() - begun < 20
     grandchild = Path("/proc") / (tmp_path / "pid").read_text().strip() / "stat"
     for _ in range(100):  # killed, it may wait a moment to be buried
