@@ -37,8 +37,8 @@ class Recorder:
 
     def template_list(self, kind, _id, data, name, active_data, active_name, **_):
         row = getattr(bpy.types, kind)
-        for index, item in enumerate(getattr(data, name)):
-            row.draw_item(None, bpy.context, Recorder(self.notes), data, item, 0, active_data, active_name, index)
+        for item in getattr(data, name):
+            row.draw_item(None, bpy.context, Recorder(self.notes), data, item, 0, active_data, active_name)
 
     def operator(self, name, *, text=None, icon="NONE", translate=True, **_):
         check_icon(icon)

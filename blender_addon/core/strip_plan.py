@@ -31,7 +31,6 @@ from mcsl_core.timing import FrameRange, merge_equal
 
 from .similarity import Transform, closest, fitted, matrix_of, transform_of
 
-TIMELINE_SCHEMA = "mcsl.timeline/1"
 AUDIO_CHANNEL = 1
 FIRST_CAMERA_CHANNEL = 2
 

@@ -14,12 +14,20 @@ from typing import Any
 from mcsl_core.blender.messages import ConformedPiece
 from mcsl_core.errors import BlenderError, InputError
 
-from ..core import strip_plan as plans
-from ..core.strip_plan import CameraTrack, StripPlan
+from ..core.strip_plan import AUDIO_CHANNEL, FIRST_CAMERA_CHANNEL, CameraTrack, StripPlan, automatic_to_text, tracks_key
 from .centering_keys import set_centering_keys
 from .compat import ends, new_effect
 from .edit import OVERRIDDEN_COLOUR, set_transform, split_strip, transform_numbers
-from .scene_properties import NAME, PLANNED, ROLE, TRACKS, role_of
+from .scene_properties import (
+    AUTOMATIC_CAMERA,
+    CAMERA,
+    GIVEN_NAME,
+    MARK,
+    PLANNED_TRANSFORM,
+    SHOT_ID,
+    TRACKS_HASH,
+    role_of,
+)
 
 REBUILT = ("programme", "centering", "conformed", "sound")  # from the EDL anew; camera strips stay as they are
 HIGHEST_CHANNEL = 128  # Blender has no more
@@ -49,13 +57,13 @@ def rebuild_timeline(scene: Any, plan: StripPlan, base: Path) -> list[str]:
     one of the editor's strips lies on our channels, all of them move up together, keeping their order.
     """
     editor = scene.sequence_editor
-    others = scene.get(TRACKS) not in (None, plans.tracks_key(plan.cameras))
-    cameras = {s["mcsl_camera"] for s in editor.strips if role_of(s) == "camera"}
+    others = scene.get(TRACKS_HASH) not in (None, tracks_key(plan.cameras))
+    cameras = {s[CAMERA] for s in editor.strips if role_of(s) == "camera"}
     gone = (*REBUILT, "camera") if others else REBUILT
     for strip in [s for s in editor.strips if role_of(s) in gone or (s.type == "MULTICAM" and not s.mute)]:
         editor.strips.remove(strip)
     notes = []
-    lowest = min(plan.programme_channel, plans.FIRST_CAMERA_CHANNEL + len(cameras))  # where ours began, or begin now
+    lowest = min(plan.programme_channel, FIRST_CAMERA_CHANNEL + len(cameras))  # the Programme's, as it was or now
     above = sorted((s for s in editor.strips if not role_of(s) and s.channel >= lowest), key=_by_channel)
     if above and (lift := plan.conformed_channel + 1 - above[0].channel) > 0:
         if above[-1].channel + lift > HIGHEST_CHANNEL:
@@ -90,7 +98,7 @@ def _settings(scene: Any, plan: StripPlan) -> None:
 
 
 def _cameras(scene: Any, plan: StripPlan, base: Path) -> list[str]:
-    scene[TRACKS] = plans.tracks_key(plan.cameras)
+    scene[TRACKS_HASH] = tracks_key(plan.cameras)
     return [note for track in plan.cameras for note in _camera(scene, track, base)]
 
 
@@ -100,7 +108,7 @@ def _camera(scene: Any, track: CameraTrack, base: Path) -> list[str]:
     _channel(scene, track.channel, track.camera)
     for file in track.files:
         strip = _movie(scene, track.camera, base / file.path, track.channel, file.start)
-        strip[ROLE], strip["mcsl_camera"] = "camera", track.camera
+        strip[MARK], strip[CAMERA] = "camera", track.camera
         start, stop = ends(strip)
         if stop - start != file.frames:
             notes.append(f"{track.camera}: {file.path} has {file.frames} frames, Blender counts {stop - start}")
@@ -111,7 +119,7 @@ def _camera(scene: Any, track: CameraTrack, base: Path) -> list[str]:
                 scene.sequence_editor.strips.remove(gap)
             rest = split_strip(strip, piece.range.stop) if piece.range.stop < stop else None
             set_transform(strip, piece.transform)
-            strip[PLANNED] = transform_numbers(piece.planned)
+            strip[PLANNED_TRANSFORM] = transform_numbers(piece.planned)
             if rest is None:
                 break
             strip, start = rest, piece.range.stop
@@ -134,25 +142,25 @@ def _movie(scene: Any, name: str, path: Path, channel: int, start: int) -> Any:
 
 def _decided(scene: Any, plan: StripPlan, base: Path) -> list[str]:
     """Everything that follows from decisions: Programme, Centering, Conformed, sound, and the ids in the scene."""
-    _channel(scene, plans.AUDIO_CHANNEL, "Audio")
+    _channel(scene, AUDIO_CHANNEL, "Audio")
     _channel(scene, plan.programme_channel, "Programme")
     _channel(scene, plan.centering_channel, "Centering")
     _channel(scene, plan.conformed_channel, "Conformed")
     for number, shot in enumerate(plan.programme, 1):  # names of their own: Blender's search for a free .001 is slow
         name = f"{number}: {shot.camera}"
         strip = new_effect(scene, name, "MULTICAM", plan.programme_channel, shot.range.start, shot.range.stop)
-        strip[NAME] = name
+        strip[GIVEN_NAME] = name
         strip.multicam_source = shot.source
-        strip[ROLE], strip["mcsl_id"], strip["mcsl_automatic"] = "programme", shot.id, shot.automatic
+        strip[MARK], strip[SHOT_ID], strip[AUTOMATIC_CAMERA] = "programme", shot.id, shot.automatic
         if shot.overridden:
             strip.color_tag = OVERRIDDEN_COLOUR
     strip = new_effect(scene, "Centering", "ADJUSTMENT", plan.centering_channel, 0, plan.frames)
-    strip[ROLE] = "centering"
+    strip[MARK] = "centering"
     strip.transform.filter = "BILINEAR"
     set_centering_keys(scene, plan.centering)
     for piece in plan.conformed:
         add_conformed_strip(scene, piece, plan.conformed_channel, base)
-    scene["mcsl_automatic"] = plans.automatic_to_text(plan.automatic)
+    scene[AUTOMATIC_CAMERA] = automatic_to_text(plan.automatic)
     notes = _sound(scene, plan, base)
     for strip in scene.sequence_editor.strips:
         if role_of(strip) and strip.select:  # what is new comes selected: the next key would move it all
@@ -164,7 +172,7 @@ def add_conformed_strip(scene: Any, piece: ConformedPiece, channel: int, base: P
     """One file of exact pictures in its place. BlenderError when its length is not the stretch's."""
     path = base / piece.path
     strip = _movie(scene, "conformed", path, channel, piece.range.start)
-    strip[ROLE] = "conformed"
+    strip[MARK] = "conformed"
     if ends(strip) != (piece.range.start, piece.range.stop):
         start, stop = ends(strip)
         raise BlenderError(
@@ -180,9 +188,9 @@ def _sound(scene: Any, plan: StripPlan, base: Path) -> list[str]:
         if not path.is_file():
             raise InputError("is missing", where=str(path), remedy="Put the file back, or correct the EDL's paths")
         strip = scene.sequence_editor.strips.new_sound(
-            name="sound", filepath=str(path), channel=plans.AUDIO_CHANNEL, frame_start=piece.start + 1
+            name="sound", filepath=str(path), channel=AUDIO_CHANNEL, frame_start=piece.start + 1
         )
-        strip[ROLE] = "sound"
+        strip[MARK] = "sound"
         start, stop = ends(strip)
         if strip.sound.samplerate == 0 or stop <= 0 or start >= plan.frames:
             if strip.sound.samplerate == 0:

@@ -11,7 +11,7 @@ from typing import Any
 import bpy  # pyright: ignore[reportMissingImports]
 
 from ..core.strip_plan import OffsetKey
-from .scene_properties import KEYS, role_of
+from .scene_properties import CENTERING_KEYS_HASH, role_of
 
 AXES = ("x", "y")
 _CONSTANT, _LINEAR = 0, 1  # Blender's interpolation codes, as foreach_set takes them
@@ -34,7 +34,7 @@ def set_centering_keys(scene: Any, keys: Sequence[OffsetKey]) -> None:
         curve.update()
     if not keys:
         strip.transform.offset_x = strip.transform.offset_y = 0.0
-    scene[KEYS] = centering_keys_hash(scene)
+    scene[CENTERING_KEYS_HASH] = centering_keys_hash(scene)
 
 
 def centering_strip(scene: Any) -> Any:

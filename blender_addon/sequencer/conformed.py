@@ -18,15 +18,12 @@ from mcsl_core.blender.messages import ConformedPiece
 from mcsl_core.edl import Edl
 from mcsl_core.timing import FrameRange
 
-from ..core import stale as outstanding
-from ..core import strip_plan as plans
+from ..core import stale
+from ..core.strip_plan import FIRST_CAMERA_CHANNEL, make_plan
 from .build import add_conformed_strip, replace_sound
 from .compat import ends
 from .edit import split_at
-from .scene_properties import ROLE
-
-BASIS = "mcsl_conformed_for"  # of the scene: what its conformed pictures were made from
-FALLEN = "mcsl_fallen"  # of a conformed strip: muted because its pictures no longer hold
+from .scene_properties import CONFORMED_BASIS, FALLEN, role_of
 
 
 @frozen
@@ -43,38 +40,38 @@ class Held:
 
 def note_basis(scene: Any, edl: Edl) -> None:
     """The conformed pictures in place were made for ``edl``."""
-    scene[BASIS] = outstanding.to_text(outstanding.basis_of(edl))
+    scene[CONFORMED_BASIS] = stale.to_text(stale.basis_of(edl))
 
 
 def found(scene: Any) -> list[tuple[Any, FrameRange]]:
     """Every conformed strip and the programme frames it shows, in order."""
     pairs = []
     for strip in scene.sequence_editor.strips:
-        if strip.get(ROLE) == "conformed":
+        if role_of(strip) == "conformed":
             start, stop = ends(strip)
             pairs.append((strip, FrameRange(start, stop)))
     return sorted(pairs, key=lambda pair: pair[1])
 
 
 def any_there(scene: Any) -> bool:
-    return any(strip.get(ROLE) == "conformed" for strip in scene.sequence_editor.strips)
+    return any(role_of(strip) == "conformed" for strip in scene.sequence_editor.strips)
 
 
 def keep_true(scene: Any, now: Edl) -> Held:
     """Mutes what no longer shows what ``now`` decides, unmutes what does again."""
     there = found(scene)
-    then = outstanding.from_text(scene.get(BASIS, ""))
-    gone = outstanding.changed(outstanding.basis_of(now), then) if there else ()
+    then = stale.from_text(scene.get(CONFORMED_BASIS, ""))
+    gone = stale.changed(stale.basis_of(now), then) if there else ()
     lost, changed = [], False
     for strip, span in there:
-        parts = outstanding.parts(span, gone)
+        parts = stale.parts(span, gone)
         pieces = split_at(strip, [part.range.stop for part in parts[:-1]])
         for piece, part in zip(pieces, parts, strict=True):
             changed |= _set_holds(piece, part.holds)
             if not part.holds:
                 lost.append(part.range)
     covered = [span for strip, span in found(scene) if not strip.mute]
-    return Held(outstanding.outstanding(now.frames, covered), outstanding.without(lost, ()), changed)
+    return Held(stale.outstanding(now.frames, covered), stale.without(lost, ()), changed)
 
 
 def _set_holds(strip: Any, holds: bool) -> bool:
@@ -89,12 +86,12 @@ def _set_holds(strip: Any, holds: bool) -> bool:
     return False
 
 
-def place(scene: Any, edl: Edl, pieces: Sequence[ConformedPiece], sound: Path | None, base: Path) -> Iterator[float]:
+def insert(scene: Any, edl: Edl, pieces: Sequence[ConformedPiece], sound: Path | None, base: Path) -> Iterator[float]:
     """Puts the conformed files of ``edl`` in place, one a step (0.15 s each); yields what part is done.
 
     Files that are in place and whole stay. base: what the paths are relative to.
     """
-    channel = plans.FIRST_CAMERA_CHANNEL + len(edl.cameras) + 2
+    channel = FIRST_CAMERA_CHANNEL + len(edl.cameras) + 2
     wanted = {str((base / piece.path).resolve()): piece for piece in pieces}
     whole = {}
     for strip, span in found(scene):
@@ -112,5 +109,5 @@ def place(scene: Any, edl: Edl, pieces: Sequence[ConformedPiece], sound: Path | 
         add_conformed_strip(scene, piece, channel, base)
         yield (index + 1) / len(missing)
     if sound is not None:
-        replace_sound(scene, plans.make_plan(edl, (), sound), base)
+        replace_sound(scene, make_plan(edl, (), sound), base)
     yield 1.0

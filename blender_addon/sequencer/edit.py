@@ -13,7 +13,7 @@ from ..core.multicam import Switch
 from ..core.read_overrides import AUTOMATIC
 from ..core.revert import Setting
 from ..core.similarity import Transform
-from .scene_properties import AIDS, LOOK, NAME, PLANNED, role_of
+from .scene_properties import CENTRE, GIVEN_NAME, LOOK_FOR_ALL, LOOK_OF_SHOT, PLANNED_TRANSFORM, role_of
 
 OVERRIDDEN_COLOUR = "COLOR_03"  # yellow: an editor's decision
 
@@ -27,13 +27,13 @@ def set_transform(strip: Any, transform: Transform) -> None:
 
 
 def transform_numbers(transform: Transform) -> list[float]:
-    """As the property `mcsl_planned` holds it: offset_x, offset_y, scale_x, scale_y, rotation."""
+    """As the property PLANNED_TRANSFORM holds it: offset_x, offset_y, scale_x, scale_y, rotation."""
     t = transform
     return [t.offset_x, t.offset_y, t.scale, t.height_scale, t.rotation]
 
 
 def transform_from_numbers(numbers: Sequence[float]) -> Transform:
-    """The inverse of `_numbers`."""
+    """The inverse of `transform_numbers`."""
     x, y, scale, scale_y, rotation = map(float, numbers)
     return Transform(x, y, scale, rotation, None if scale == scale_y else scale_y)
 
@@ -78,10 +78,10 @@ def apply_settings(scene: Any, settings: Mapping[str, Sequence[Setting]], look: 
             if part.source is not None:
                 strip.multicam_source = part.source
                 _clear_decisions(strip)
-                for aid in part.said & set(AIDS):
-                    strip[f"mcsl_{aid}"] = getattr(look, aid)
+                for aid in part.said & LOOK_OF_SHOT.keys():
+                    strip[LOOK_OF_SHOT[aid]] = getattr(look, aid)
                 if "offset" in part.said:
-                    strip["mcsl_offset"] = AUTOMATIC
+                    strip[CENTRE] = AUTOMATIC
 
 
 def clear_strip_decisions(scene: Any) -> None:
@@ -89,13 +89,13 @@ def clear_strip_decisions(scene: Any) -> None:
     for strip in scene.sequence_editor.strips:
         if strip.type == "MULTICAM":
             _clear_decisions(strip)
-    for aid in AIDS:
-        scene.pop(LOOK + aid, None)
+    for name in LOOK_FOR_ALL.values():
+        scene.pop(name, None)
 
 
 def _clear_decisions(strip: Any) -> None:
-    for name in (*AIDS, "offset"):
-        strip.pop(f"mcsl_{name}", None)
+    for name in (*LOOK_OF_SHOT.values(), CENTRE):
+        strip.pop(name, None)
 
 
 def label_strips(scene: Any, overridden: frozenset[str], cameras: Mapping[str, str]) -> None:
@@ -108,18 +108,18 @@ def label_strips(scene: Any, overridden: frozenset[str], cameras: Mapping[str, s
         wanted = OVERRIDDEN_COLOUR if name in overridden else "NONE"
         if strip.color_tag != wanted and strip.color_tag in ("NONE", OVERRIDDEN_COLOUR):
             strip.color_tag = wanted
-        given = strip.get(NAME)  # split, it is followed by .001
+        given = strip.get(GIVEN_NAME)  # split, it is followed by .001
         if given and name.startswith(given) and name in cameras:
             number = given.partition(":")[0]
             if (now := f"{number}: {cameras[name]}") != given:
-                strip.name = strip[NAME] = now
+                strip.name = strip[GIVEN_NAME] = now
 
 
 def can_be_reset(strip: Any) -> bool:
     """Whether it is a camera strip that knows its automatic place."""
-    return role_of(strip) == "camera" and strip.get(PLANNED) is not None
+    return role_of(strip) == "camera" and strip.get(PLANNED_TRANSFORM) is not None
 
 
 def reset_transform(strip: Any) -> None:
     """Back to where the analysis placed the camera: pulling then takes the correction away."""
-    set_transform(strip, transform_from_numbers(strip[PLANNED]))
+    set_transform(strip, transform_from_numbers(strip[PLANNED_TRANSFORM]))

@@ -7,13 +7,22 @@ from typing import Any
 
 from mcsl_core.errors import InputError
 
-from ..core import strip_plan as plans
 from ..core.corrections import FoundCamera
 from ..core.read_overrides import AUTOMATIC, FoundStrip, SequencerState
+from ..core.strip_plan import automatic_from_text
 from .centering_keys import centering_keys_hash
 from .compat import ends
 from .edit import transform_from_numbers
-from .scene_properties import AIDS, KEYS, LOOK, PLANNED, role_of
+from .scene_properties import (
+    AUTOMATIC_CAMERA,
+    CAMERA,
+    CENTERING_KEYS_HASH,
+    CENTRE,
+    LOOK_FOR_ALL,
+    LOOK_OF_SHOT,
+    PLANNED_TRANSFORM,
+    role_of,
+)
 
 # --------------------------------------------------------------------------------------------------------- reading
 
@@ -41,18 +50,16 @@ def read_timeline(scene: Any) -> SequencerState:
                     stop=stop,
                     source=strip.multicam_source,
                     muted=strip.mute,
-                    centering=_switch(strip, "mcsl_centering"),
-                    fill=_switch(strip, "mcsl_fill"),
-                    colour=_switch(strip, "mcsl_colour"),
+                    **{aid: _switch(strip, name) for aid, name in LOOK_OF_SHOT.items()},
                     offset=_offset(strip),
                 )
             )
         elif role_of(strip) == "camera":
-            planned = strip.get(PLANNED)
+            planned = strip.get(PLANNED_TRANSFORM)
             t = strip.transform
             cameras.append(
                 FoundCamera(
-                    camera=strip["mcsl_camera"],
+                    camera=strip[CAMERA],
                     channel=strip.channel,
                     start=start,
                     stop=stop,
@@ -61,36 +68,36 @@ def read_timeline(scene: Any) -> SequencerState:
                     planned=None if planned is None else transform_from_numbers(planned),
                 )
             )
-    automatic = scene.get("mcsl_automatic")
+    automatic = scene.get(AUTOMATIC_CAMERA)
     return SequencerState(
         strips=tuple(strips),
         cameras=tuple(cameras),
-        automatic=plans.automatic_from_text(automatic) if automatic else None,
-        look=tuple((aid, bool(scene[LOOK + aid])) for aid in AIDS if LOOK + aid in scene),
+        automatic=automatic_from_text(automatic) if automatic else None,
+        look=tuple((aid, bool(scene[name])) for aid, name in LOOK_FOR_ALL.items() if name in scene),
         notes=_remarks(scene),
     )
 
 
 def _remarks(scene: Any) -> tuple[str, ...]:
     """What an editor did that is not read, for a person."""
-    if scene.get(KEYS, "") not in ("", centering_keys_hash(scene)):
+    if scene.get(CENTERING_KEYS_HASH, "") not in ("", centering_keys_hash(scene)):
         return (
             "the Centering strip or its keys were changed by hand, which is not read: to set the centre of a shot, "
-            "use the panel (or the strip's property mcsl_offset)",
+            f"use the panel (or the strip's property {CENTRE})",
         )
     return ()
 
 
 def _offset(strip: Any) -> Any:
     """The strip's centre by hand: two numbers to a thousandth of a pixel, AUTOMATIC, or None."""
-    value = strip.get("mcsl_offset")
+    value = strip.get(CENTRE)
     if value is None or value == AUTOMATIC:
         return value
     try:
         x, y = (round(float(number), 3) for number in value)
     except (TypeError, ValueError) as error:
         raise InputError(
-            f"has mcsl_offset {value!r}; two numbers [dx, dy] are expected, or {AUTOMATIC!r}",
+            f"has {CENTRE} {value!r}; two numbers [dx, dy] are expected, or {AUTOMATIC!r}",
             where=f"strip {strip.name!r}, frame {ends(strip)[0] + 1}",
             remedy="Correct it among the strip's custom properties, or remove it",
         ) from error

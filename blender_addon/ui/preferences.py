@@ -12,8 +12,8 @@ import bpy  # pyright: ignore[reportMissingImports]
 from mcsl_core import __version__
 from mcsl_core.errors import McslError
 
-from ..process import find_mcsl as finding
-from . import job_runner as running
+from ..process import find_mcsl
+from . import job_runner
 from .translations.lookup import told
 
 ADDON = (__package__ or "mcsl.ui").removesuffix(".ui")  # what Blender knows the extension by
@@ -28,17 +28,17 @@ class MCSL_OT_test_mcsl(bpy.types.Operator):
 
     def execute(self, context):
         try:
-            found = finding.find(preferred())
-            version = finding.version_of(found.path)
+            found = find_mcsl.find(preferred())
+            version = find_mcsl.version_of(found.path)
         except McslError as error:
-            running.desk.mcsl = str(error)
+            job_runner.desk.mcsl = str(error)
             self.report({"WARNING"}, str(error))
             return {"CANCELLED"}
-        running.desk.mcsl = told("mcsl {version} at {path}").format(version=version, path=found.path)
+        job_runner.desk.mcsl = told("mcsl {version} at {path}").format(version=version, path=found.path)
         if version.split(".")[:2] != __version__.split(".")[:2]:
-            running.desk.mcsl += told("; this extension belongs to {version}").format(version=__version__)
-        running.read_plugins(str(found.path))
-        self.report({"INFO"}, running.desk.mcsl)
+            job_runner.desk.mcsl += told("; this extension belongs to {version}").format(version=__version__)
+        job_runner.read_plugins(str(found.path))
+        self.report({"INFO"}, job_runner.desk.mcsl)
         return {"FINISHED"}
 
 
@@ -50,8 +50,8 @@ class MCSL_OT_copy_install_command(bpy.types.Operator):
     bl_options: ClassVar = {"INTERNAL"}
 
     def execute(self, context):
-        context.window_manager.clipboard = finding.INSTALL
-        self.report({"INFO"}, told("copied: {command}").format(command=finding.INSTALL))
+        context.window_manager.clipboard = find_mcsl.INSTALL
+        self.report({"INFO"}, told("copied: {command}").format(command=find_mcsl.INSTALL))
         return {"FINISHED"}
 
 
@@ -86,19 +86,19 @@ class MCSL_Preferences(bpy.types.AddonPreferences):
 def draw_state(layout) -> None:
     """What is known of mcsl: its version, or the one command that installs it."""
     try:
-        path = finding.find(preferred()).path
+        path = find_mcsl.find(preferred()).path
     except McslError as error:
         column = layout.column(align=True)
-        if error.what != finding.NEEDED:
+        if error.what != find_mcsl.NEEDED:
             column.label(text=str(error), icon="ERROR", translate=False)
             return
         column.label(text="mcsl is not installed here", icon="ERROR")
         column.label(text="In the folder of its source run:")
         row = column.row(align=True)
-        row.label(text=finding.INSTALL, icon="CONSOLE", translate=False)
+        row.label(text=find_mcsl.INSTALL, icon="CONSOLE", translate=False)
         row.operator("mcsl.copy_install_command", icon="COPYDOWN")
         return
-    layout.label(text=running.desk.mcsl or str(path), icon="CHECKMARK", translate=False)
+    layout.label(text=job_runner.desk.mcsl or str(path), icon="CHECKMARK", translate=False)
 
 
 def preferred() -> str:
@@ -110,7 +110,7 @@ def preferred() -> str:
 
 def mcsl() -> str:
     """The `mcsl` to run. McslError with what to do where there is none."""
-    return str(Path(finding.find(preferred()).path))
+    return str(Path(find_mcsl.find(preferred()).path))
 
 
 CLASSES = (MCSL_OT_test_mcsl, MCSL_OT_copy_install_command, MCSL_OT_open_preferences, MCSL_Preferences)

@@ -11,7 +11,7 @@ import bpy  # pyright: ignore[reportMissingImports]
 
 from ..core import presets
 from ..core.camera_files import STAGES
-from . import job_runner as running
+from . import job_runner
 from .translations.lookup import shown
 
 DEFAULT = "DEFAULT"
@@ -21,13 +21,13 @@ _kept: dict = {}  # Blender does not keep the texts of dynamic enums: somebody m
 
 def _numbers(stage: str) -> dict[int, str]:
     """A number for every plugin of a stage that does not change when others come and go; 0 is the default."""
-    names = [row.name for row in running.desk.offers.get(stage, ())]
+    names = [row.name for row in job_runner.desk.offers.get(stage, ())]
     return {0: "", **{zlib.crc32(name.encode()) & 0x7FFFFFFF: name for name in names}}
 
 
 def _stage_items(stage: str):
     def items(self, context):
-        rows = running.desk.offers.get(stage, ())
+        rows = job_runner.desk.offers.get(stage, ())
         default = next((row.name for row in rows if row.default), "")
         label = shown("Default ({name})").format(name=default) if default else shown("Default")
         found = [(DEFAULT, label, shown("What mcsl takes by itself"), "NONE", 0)]

@@ -18,21 +18,18 @@ from mcsl_core.edl import Edl
 from mcsl_core.errors import McslError
 from mcsl_core.timing import FrameRange
 
-from ..core import multicam as switching
-from ..core import shot_list as shots
-from ..core import strip_plan as plan
+from ..core import multicam, shot_list
 from ..core.read_overrides import read_edl
-from ..sequencer import conformed
-from ..sequencer import scene_properties as scenes
+from ..core.strip_plan import make_plan
+from ..sequencer import conformed, scene_properties
 from ..sequencer.centering_keys import set_centering_keys
 from ..sequencer.compat import sequencer_scene
 from ..sequencer.edit import label_strips
 from ..sequencer.read import read_timeline
-from . import job_runner as running
+from . import job_runner
 from .translations.lookup import told
 
 QUIET_S = 0.4
-CENTERED = "mcsl_centered"  # of the scene: a hash of the keys that the Centering strip was given
 
 _busy = False  # what we change ourselves is no news
 _last: dict[str, Edl] = {}  # scene -> what its timeline said when it was last looked at
@@ -40,12 +37,12 @@ _last: dict[str, Edl] = {}  # scene -> what its timeline said when it was last l
 
 def timelines() -> list[Any]:
     """The scenes of this file that hold a timeline."""
-    return [s for s in bpy.data.scenes if s.get("mcsl_edl") and s.sequence_editor is not None]
+    return [s for s in bpy.data.scenes if scene_properties.has_timeline(s)]
 
 
 def decided(scene: Any) -> Edl:
     """The scene's EDL with the decisions that its timeline shows now. McslError where either cannot be read."""
-    return read_edl(scenes.edl_of(scene), read_timeline(scene))
+    return read_edl(scene_properties.edl_of(scene), read_timeline(scene))
 
 
 def last(scene: Any) -> Edl:
@@ -55,7 +52,7 @@ def last(scene: Any) -> Edl:
     return _last[scene.name]
 
 
-def look(scene: Any) -> str:
+def refresh_timeline(scene: Any) -> str:
     """Brings everything in line with the timeline of ``scene``; returns '' or, in a line, why that is not possible.
 
     Where the EDL or the timeline cannot be read, nothing is changed.
@@ -68,7 +65,7 @@ def look(scene: Any) -> str:
         held = conformed.keep_true(scene, edl)
         _centre(scene, edl)
         state = read_timeline(scene)
-        label_strips(scene, switching.overridden(edl, state.strips), switching.shown_cameras(state))
+        label_strips(scene, multicam.overridden(edl, state.strips), multicam.shown_cameras(state))
     except McslError as error:
         _tell(scene, problem=str(error))
         return str(error)
@@ -81,11 +78,11 @@ def look(scene: Any) -> str:
 
 def _centre(scene: Any, edl: Edl) -> None:
     """The Centering strip follows the decisions, unless an editor has keyed it by hand."""
-    keys = plan.make_plan(edl).centering
+    keys = make_plan(edl).centering
     text = hashlib.sha256(repr(keys).encode()).hexdigest()[:16]
-    if scene.get(CENTERED) != text and not read_timeline(scene).notes:
+    if scene.get(scene_properties.CENTERING_PLAN_HASH) != text and not read_timeline(scene).notes:
         set_centering_keys(scene, keys)
-        scene[CENTERED] = text
+        scene[scene_properties.CENTERING_PLAN_HASH] = text
 
 
 def _tell(scene: Any, edl: Edl | None = None, problem: str = "", outstanding_s: float = 0.0, lost_s: float = 0.0):
@@ -97,7 +94,7 @@ def _tell(scene: Any, edl: Edl | None = None, problem: str = "", outstanding_s: 
     if edl is None:
         return
     state.outstanding_s, state.lost_s = outstanding_s, lost_s
-    rows = shots.rows_of(edl)
+    rows = shot_list.rows_of(edl)
     state.overrides = sum(row.overridden for row in rows)
     if len(state.shots) != len(rows):
         state.shots.clear()
@@ -107,8 +104,8 @@ def _tell(scene: Any, edl: Edl | None = None, problem: str = "", outstanding_s: 
         item.start, item.stop = row.range.start, row.range.stop
         item.camera, item.automatic, item.why = row.camera, row.automatic, row.why
         item.score, item.overridden = row.score, row.overridden
-        item.time = shots.time_text(row.range.start, edl.rate)
-    running.redraw()
+        item.time = shot_list.time_text(row.range.start, edl.rate)
+    job_runner.redraw()
 
 
 def show_recording(scene: Any) -> None:
@@ -117,21 +114,21 @@ def show_recording(scene: Any) -> None:
     if work.cameras:
         return
     try:
-        edl = scenes.edl_of(scene)
+        edl = scene_properties.edl_of(scene)
     except McslError:
         return
-    base = scenes.edl_path(scene, Path(bpy.data.filepath))
+    base = scene_properties.edl_path(scene, Path(bpy.data.filepath))
     for camera in edl.cameras:
         item = work.cameras.add()
         item.name = camera.name
         item.files = "\n".join(str(base.parent / media.path) for media in camera.media)
-    work.reference, work.edl = edl.reference, scene["mcsl_edl"]
+    work.reference, work.edl = edl.reference, scene[scene_properties.EDL_PATH]
 
 
-def rows() -> tuple[shots.ShotRow, ...]:
+def rows() -> tuple[shot_list.ShotRow, ...]:
     """The list of shots as the panel has it."""
     return tuple(
-        shots.ShotRow(FrameRange(i.start, i.stop), i.camera, i.automatic, i.score, i.why, i.overridden)
+        shot_list.ShotRow(FrameRange(i.start, i.stop), i.camera, i.automatic, i.score, i.why, i.overridden)
         for i in bpy.context.window_manager.mcsl_state.shots
     )
 
@@ -157,7 +154,7 @@ def mark() -> None:
 
 def _quiet() -> None:
     for scene in timelines():
-        look(scene)
+        refresh_timeline(scene)
 
 
 @bpy.app.handlers.persistent
@@ -170,7 +167,7 @@ def _changed(_scene: Any, depsgraph: Any = None) -> None:
 @bpy.app.handlers.persistent
 def _saving(*_: Any) -> None:
     for scene in timelines():
-        look(scene)
+        refresh_timeline(scene)
 
 
 @bpy.app.handlers.persistent
@@ -181,14 +178,14 @@ def _loaded(*_: Any) -> None:
     state.problem, state.outstanding_s, state.lost_s, state.overrides = "", 0.0, 0.0, 0
     for scene in timelines():
         show_recording(scene)
-        problem = look(scene)
+        problem = refresh_timeline(scene)
         if not bpy.app.background:
             continue
         if problem:
             print(f"mcsl: warning: {Path(bpy.data.filepath).name}: {problem}", flush=True)
         elif conformed.found(scene) and state.outstanding_s > 0:
             text = told("{seconds} of the programme show the preview, not the exact pictures. Conform before rendering")
-            print(f"mcsl: warning: {text.format(seconds=shots.seconds_text(state.outstanding_s))}", flush=True)
+            print(f"mcsl: warning: {text.format(seconds=shot_list.seconds_text(state.outstanding_s))}", flush=True)
 
 
 HANDLERS = {

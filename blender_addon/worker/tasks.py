@@ -31,8 +31,7 @@ from mcsl_core.progress import JsonLines
 
 from ..core.read_overrides import read_edl
 from ..core.strip_plan import StripPlan, make_plan
-from ..sequencer import conformed, output
-from ..sequencer import scene_properties as scenes
+from ..sequencer import conformed, output, scene_properties
 from ..sequencer.build import build_timeline, has_sound, rebuild_timeline
 from ..sequencer.compat import use_sequencer_scene
 from ..sequencer.read import read_timeline
@@ -69,7 +68,7 @@ def read(request: ReadRequest, progress: JsonLines) -> ReadDecisions:
     The .blend stays as it is, but for conformed pictures that no longer show what was decided: they fall away.
     """
     scene = _open(request.blend)
-    edl_path = scenes.edl_path(scene, request.blend)
+    edl_path = scene_properties.edl_path(scene, request.blend)
     edl = edls.load(edl_path)
     state = read_timeline(scene)
     new = read_edl(edl, state)
@@ -132,7 +131,7 @@ def _finished(
 ) -> BuiltTimeline:
     """The basis of the conformed pictures, ids, the save; then what there is to say."""
     conformed.note_basis(scene, edl)
-    scenes.set_ids(scene, edl, request.edl, request.blend.parent)
+    scene_properties.set_ids(scene, edl, request.edl, request.blend.parent)
     _save(request.blend)
     for note in notes:
         progress.note(note)
@@ -149,7 +148,7 @@ def _open(blend: Path) -> Any:
         raise InputError(
             f"Blender cannot open it ({str(error).strip()})", where=str(blend), remedy="Restore it or build it again"
         ) from error
-    return scenes.timeline_scene(blend)
+    return scene_properties.timeline_scene(blend)
 
 
 def _save(blend: Path) -> None:

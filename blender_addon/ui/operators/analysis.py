@@ -11,11 +11,11 @@ import bpy  # pyright: ignore[reportMissingImports]
 
 from mcsl_core.errors import InputError, McslError
 
-from ...core import camera_files as recordings
+from ...core import camera_files
 from ...core.camera_files import STAGES
 from ...sequencer.compat import sequencer_scene
-from .. import job_runner as running
-from .. import preferences
+from ...sequencer.scene_properties import has_timeline
+from .. import job_runner, preferences
 from ..translations.lookup import told
 from .recording import work_of
 from .timeline import build_into, pull
@@ -30,7 +30,7 @@ class MCSL_OT_analyse(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if running.busy():
+        if job_runner.busy():
             return False
         if not work_of(context).cameras:
             cls.poll_message_set("Add camera files first")
@@ -41,7 +41,7 @@ class MCSL_OT_analyse(bpy.types.Operator):
         scene = sequencer_scene(context)
         try:
             command, edl = _command(scene)
-            if scene.get("mcsl_edl"):
+            if has_timeline(scene):
                 pull(scene)  # what was decided by hand goes through the analysis with the EDL
             elif scene.sequence_editor is not None and scene.sequence_editor.strips:
                 raise InputError(
@@ -56,9 +56,9 @@ class MCSL_OT_analyse(bpy.types.Operator):
                         remedy=told("Build the timeline of {edl} by hand").format(edl=edl),
                     )
                 for note in build_into(target, edl):
-                    running.say(note, "WARNING", told("Analysis"))
+                    job_runner.say(note, "WARNING", told("Analysis"))
 
-            running.start(told("Analysis"), command, follow, cwd=edl.parent)
+            job_runner.start(told("Analysis"), command, follow, cwd=edl.parent)
         except (McslError, OSError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -90,7 +90,7 @@ def _command(scene) -> tuple[list[str], Path]:
     stages = {stage: work.plugin(stage) for stage in STAGES}
     reference = work.reference or work.cameras[0].name
     return (
-        recordings.analyse_command(preferences.mcsl(), files, str(edl), reference=reference, stages=stages),
+        camera_files.analyse_command(preferences.mcsl(), files, str(edl), reference=reference, stages=stages),
         edl,
     )
 
@@ -104,10 +104,10 @@ class MCSL_OT_cancel(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return running.desk.running is not None and not running.desk.running.job.stopping
+        return job_runner.desk.running is not None and not job_runner.desk.running.job.stopping
 
     def execute(self, context):
-        running.cancel()
+        job_runner.cancel()
         return {"FINISHED"}
 
 
@@ -120,7 +120,7 @@ class MCSL_OT_read_plugins(bpy.types.Operator):
 
     def execute(self, context):
         try:
-            running.read_plugins(preferences.mcsl())
+            job_runner.read_plugins(preferences.mcsl())
         except McslError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

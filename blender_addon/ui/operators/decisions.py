@@ -11,19 +11,14 @@ import bpy  # pyright: ignore[reportMissingImports]
 from mcsl_core.errors import McslError
 from mcsl_core.timing import FrameRange
 
-from ...core import revert as reverting
-from ...core import shot_list as shots
-from ...sequencer import scene_properties as scenes
+from ...core import shot_list
+from ...core.revert import revert
+from ...sequencer import scene_properties
 from ...sequencer.compat import sequencer_scene
 from ...sequencer.edit import apply_settings
 from ...sequencer.read import read_timeline
-from .. import refresh as watching
+from .. import refresh
 from ..translations.lookup import told
-
-
-def has_timeline(context) -> bool:
-    scene = sequencer_scene(context)
-    return scene is not None and bool(scene.get("mcsl_edl")) and scene.sequence_editor is not None
 
 
 class MCSL_OT_go_to_override(bpy.types.Operator):
@@ -40,7 +35,7 @@ class MCSL_OT_go_to_override(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return has_timeline(context)
+        return scene_properties.has_timeline(sequencer_scene(context))
 
     @classmethod
     def description(cls, context, properties):
@@ -50,8 +45,8 @@ class MCSL_OT_go_to_override(bpy.types.Operator):
 
     def execute(self, context):
         scene = sequencer_scene(context)
-        rows = watching.rows()
-        index = shots.next_override(rows, scene.frame_current - 1, back=self.direction == "BACK")
+        rows = refresh.rows()
+        index = shot_list.next_override(rows, scene.frame_current - 1, back=self.direction == "BACK")
         if index < 0:
             self.report({"INFO"}, told("There is no other override"))
             return {"CANCELLED"}
@@ -70,7 +65,7 @@ class MCSL_OT_revert(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return has_timeline(context)
+        return scene_properties.has_timeline(sequencer_scene(context))
 
     @classmethod
     def description(cls, context, properties):
@@ -86,9 +81,9 @@ class MCSL_OT_revert(bpy.types.Operator):
     def execute(self, context):
         scene = sequencer_scene(context)
         try:
-            edl = watching.decided(scene)
-            rows = shots.rows_of(edl)
-            index = shots.row_at(rows, scene.frame_current - 1)
+            edl = refresh.decided(scene)
+            rows = shot_list.rows_of(edl)
+            index = shot_list.row_at(rows, scene.frame_current - 1)
             if self.everything:
                 piece = FrameRange(0, edl.frames)
             elif index >= 0:
@@ -96,14 +91,14 @@ class MCSL_OT_revert(bpy.types.Operator):
             else:
                 self.report({"WARNING"}, told("The playhead is outside the programme"))
                 return {"CANCELLED"}
-            original = scenes.edl_of(scene)
-            settings = reverting.revert(original, read_timeline(scene), piece)
+            original = scene_properties.edl_of(scene)
+            settings = revert(original, read_timeline(scene), piece)
         except McslError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         apply_settings(scene, settings, original.look)
-        watching.look(scene)
-        left = sum(row.overridden for row in watching.rows())
+        refresh.refresh_timeline(scene)
+        left = sum(row.overridden for row in refresh.rows())
         self.report({"INFO"}, told("automatic again; {count} overrides left").format(count=left))
         return {"FINISHED"}
 

@@ -12,18 +12,12 @@ import bpy  # pyright: ignore[reportMissingImports]
 from mcsl_core.blender.messages import ConformedMedia, structure
 from mcsl_core.errors import InputError, McslError
 
-from ...core import camera_files as recordings
-from ...core import presets
-from ...core import shot_list as shots
-from ...sequencer import conformed, output
-from ...sequencer import scene_properties as scenes
+from ...core import camera_files, presets, shot_list
+from ...sequencer import conformed, output, scene_properties
 from ...sequencer.build import has_sound
 from ...sequencer.compat import sequencer_scene
-from .. import job_runner as running
-from .. import preferences
-from .. import refresh as watching
+from .. import job_runner, preferences, refresh
 from ..translations.lookup import told
-from .decisions import has_timeline
 from .recording import work_of
 from .timeline import pull
 
@@ -37,28 +31,28 @@ class MCSL_OT_conform(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return has_timeline(context) and not running.busy()
+        return scene_properties.has_timeline(sequencer_scene(context)) and not job_runner.busy()
 
     def execute(self, context):
         scene = sequencer_scene(context)
         try:
             edl, _ = pull(scene)
-            path = scenes.edl_path(scene, Path(bpy.data.filepath))
+            path = scene_properties.edl_path(scene, Path(bpy.data.filepath))
             name = scene.name
 
             def follow(result):
                 if (target := bpy.data.scenes.get(name)) is None or target.sequence_editor is None:
                     raise InputError(told("the scene {name} is gone").format(name=name))
                 media = structure(result, ConformedMedia, where="mcsl conform")
-                yield from conformed.place(target, edl, media.pieces, media.sound, path.parent)
-                watching.look(target)
+                yield from conformed.insert(target, edl, media.pieces, media.sound, path.parent)
+                refresh.refresh_timeline(target)
                 if bpy.data.filepath:
                     bpy.ops.file.make_paths_relative()
                 if not bpy.app.background:
                     bpy.ops.ed.undo_push(message="mcsl: conformed pictures")
 
-            command = recordings.conform_command(preferences.mcsl(), str(path))
-            running.start(told("Conforming"), command, follow, cwd=path.parent)
+            command = camera_files.conform_command(preferences.mcsl(), str(path))
+            job_runner.start(told("Conforming"), command, follow, cwd=path.parent)
         except McslError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -74,14 +68,14 @@ class MCSL_OT_render(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return has_timeline(context) and not running.busy()
+        return scene_properties.has_timeline(sequencer_scene(context)) and not job_runner.busy()
 
     def execute(self, context):
         scene = sequencer_scene(context)
         work = work_of(context)
         try:
             target = set_output(scene, work)
-            problem = watching.look(scene)
+            problem = refresh.refresh_timeline(scene)
         except McslError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -90,7 +84,7 @@ class MCSL_OT_render(bpy.types.Operator):
         left = context.window_manager.mcsl_state.outstanding_s
         if left > 0:
             text = told("{seconds} show the preview, not the exact pictures: conform first for those")
-            self.report({"WARNING"}, text.format(seconds=shots.seconds_text(left)))
+            self.report({"WARNING"}, text.format(seconds=shot_list.seconds_text(left)))
         how = "EXEC_DEFAULT" if bpy.app.background else "INVOKE_DEFAULT"
         bpy.ops.render.render(how, animation=True, scene=scene.name)
         self.report({"INFO"}, told("rendering to {path}").format(path=target))
@@ -106,7 +100,7 @@ class MCSL_OT_apply_preset(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return has_timeline(context)
+        return scene_properties.has_timeline(sequencer_scene(context))
 
     def execute(self, context):
         try:
@@ -137,8 +131,8 @@ def set_output(scene, work) -> Path:
         )
     if not target.parent.is_dir():
         raise InputError(told("is not a folder"), where=str(target.parent), remedy=told("Choose another output"))
-    render = scene.render
-    render.resolution_x, render.resolution_y = scenes.edl_of(scene).size  # a preset before may have made it even
+    size = scene_properties.edl_of(scene).size  # the programme's own: a preset before may have made the scene's even
+    scene.render.resolution_x, scene.render.resolution_y = size
     output.apply(scene, preset, str(target), sound=has_sound(scene))
     return target
 

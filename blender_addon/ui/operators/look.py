@@ -11,14 +11,13 @@ import bpy  # pyright: ignore[reportMissingImports]
 from mcsl_core.edl.resolve import resolve, shift_at
 from mcsl_core.errors import McslError
 
-from ...core import multicam as switching
+from ...core import multicam
 from ...core.read_overrides import AUTOMATIC
 from ...sequencer.compat import sequencer_scene
 from ...sequencer.read import read_timeline
-from ...sequencer.scene_properties import LOOK
-from .. import refresh as watching
+from ...sequencer.scene_properties import CENTRE, LOOK_FOR_ALL, LOOK_OF_SHOT, has_timeline
+from .. import refresh
 from ..translations.lookup import told
-from .decisions import has_timeline
 
 AIDS = [
     ("centering", "Centering", "Shift the surgical field to the middle of the picture"),
@@ -29,7 +28,7 @@ AIDS = [
 
 def shot_at_playhead(scene):
     """The Multicam strip that decides at the playhead, or None."""
-    found = switching.deciding(read_timeline(scene).strips, scene.frame_current - 1)
+    found = multicam.deciding(read_timeline(scene).strips, scene.frame_current - 1)
     return None if found is None else scene.sequence_editor.strips[found.name]
 
 
@@ -46,7 +45,7 @@ class MCSL_OT_set_look(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return has_timeline(context)
+        return has_timeline(sequencer_scene(context))
 
     @classmethod
     def description(cls, context, properties):
@@ -58,17 +57,17 @@ class MCSL_OT_set_look(bpy.types.Operator):
         scene = sequencer_scene(context)
         try:
             if self.whole:
-                scene[f"{LOOK}{self.aid}"] = self.on
+                scene[LOOK_FOR_ALL[self.aid]] = self.on
             else:
                 strip = shot_at_playhead(scene)
                 if strip is None:
                     self.report({"WARNING"}, told("There is no shot at the playhead"))
                     return {"CANCELLED"}
-                strip[f"mcsl_{self.aid}"] = self.on
+                strip[LOOK_OF_SHOT[self.aid]] = self.on
         except McslError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        watching.look(scene)
+        refresh.refresh_timeline(scene)
         return {"FINISHED"}
 
 
@@ -84,7 +83,7 @@ class MCSL_OT_set_centre(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return has_timeline(context)
+        return has_timeline(sequencer_scene(context))
 
     def invoke(self, context, event):
         if not any(region.type == "PREVIEW" for area in context.screen.areas for region in area.regions):
@@ -114,7 +113,7 @@ class MCSL_OT_set_centre(bpy.types.Operator):
     def execute(self, context):
         scene = sequencer_scene(context)
         try:
-            edl = watching.decided(scene)
+            edl = refresh.decided(scene)
             frame = scene.frame_current - 1
             decision = next((d for stretch, d in resolve(edl) if frame in stretch), None)
             strip = shot_at_playhead(scene)
@@ -126,10 +125,10 @@ class MCSL_OT_set_centre(bpy.types.Operator):
             return {"CANCELLED"}
         now = shift_at(edl, decision, frame)
         middle = ((edl.size[0] - 1) / 2, (edl.size[1] - 1) / 2)
-        strip["mcsl_offset"] = [round(m - (p - s), 3) for m, p, s in zip(middle, (self.x, self.y), now, strict=True)]
+        strip[CENTRE] = [round(m - (p - s), 3) for m, p, s in zip(middle, (self.x, self.y), now, strict=True)]
         if not decision.centering:
-            strip["mcsl_centering"] = True
-        watching.look(scene)
+            strip[LOOK_OF_SHOT["centering"]] = True
+        refresh.refresh_timeline(scene)
         return {"FINISHED"}
 
 
@@ -154,7 +153,7 @@ class MCSL_OT_clear_centre(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return has_timeline(context)
+        return has_timeline(sequencer_scene(context))
 
     def execute(self, context):
         scene = sequencer_scene(context)
@@ -166,8 +165,8 @@ class MCSL_OT_clear_centre(bpy.types.Operator):
         if strip is None:
             self.report({"WARNING"}, told("There is no shot at the playhead"))
             return {"CANCELLED"}
-        strip["mcsl_offset"] = AUTOMATIC
-        watching.look(scene)
+        strip[CENTRE] = AUTOMATIC
+        refresh.refresh_timeline(scene)
         return {"FINISHED"}
 
 

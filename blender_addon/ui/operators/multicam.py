@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Cutting by hand: a key or click for each camera, and strips set back to their automatic place.
 
-What a press means is decided in switching.py and nudges.py. Blender's own multicam keys take the number of a channel,
+What a press means is decided in multicam.py and nudges.py. Blender's own multicam keys take the number of a channel,
 and ours have the sound on channel 1 and the reference camera last; so in an mcsl timeline key n is the EDL's n-th
 camera. In every other scene the operator does not answer, and Blender's own gets the key. No `from __future__ import
 annotations` here: Blender reads the properties from the annotations themselves.
@@ -13,12 +13,12 @@ import bpy  # pyright: ignore[reportMissingImports]
 
 from mcsl_core.errors import InputError, McslError
 
-from ...core import multicam as switching
-from ...sequencer import scene_properties as scenes
+from ...core import multicam
+from ...sequencer import scene_properties
 from ...sequencer.compat import sequencer_scene
 from ...sequencer.edit import apply_switch, can_be_reset, reset_transform
 from ...sequencer.read import read_timeline
-from .. import refresh as watching
+from .. import refresh
 
 KEYS = ("ONE", "TWO", "THREE", "FOUR", "FIVE", "SIX", "SEVEN", "EIGHT", "NINE")
 
@@ -48,15 +48,14 @@ class MCSL_OT_switch_camera(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        scene = sequencer_scene(context)
-        return scene is not None and bool(scene.get("mcsl_edl")) and scene.sequence_editor is not None
+        return scene_properties.has_timeline(sequencer_scene(context))
 
     def execute(self, context):
         scene = sequencer_scene(context)
         try:
             camera = self.camera or _nth_camera(scene, self.number)
             frame = scene.frame_current - 1
-            change = switching.switch(read_timeline(scene), frame, camera, whole=self.whole)
+            change = multicam.switch(read_timeline(scene), frame, camera, whole=self.whole)
         except McslError as error:
             self.report({"WARNING"}, str(error))
             return {"CANCELLED"}
@@ -64,7 +63,7 @@ class MCSL_OT_switch_camera(bpy.types.Operator):
             self.report({"INFO"}, f"{camera} is shown already")
             return {"CANCELLED"}
         apply_switch(scene, change)
-        watching.look(scene)
+        refresh.refresh_timeline(scene)
         self.report({"INFO"}, f"{camera} from frame {scene.frame_current}" if change.split is not None else camera)
         return {"FINISHED"}
 
@@ -94,7 +93,7 @@ def _selected(scene):
 
 
 def _nth_camera(scene, number: int) -> str:
-    names = scenes.camera_names(scene)
+    names = scene_properties.camera_names(scene)
     if not 1 <= number <= len(names):
         raise InputError(f"there is no camera {number}", remedy=f"There are {len(names)}: {', '.join(names)}")
     return names[number - 1]

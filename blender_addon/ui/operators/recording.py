@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import bpy  # pyright: ignore[reportMissingImports]
 
-from ...core import camera_files as recordings
+from ...core import camera_files
 from ...sequencer.compat import sequencer_scene
 from ..translations.lookup import told
 
@@ -50,7 +50,7 @@ class MCSL_OT_add_cameras(bpy.types.Operator):
             self.report({"WARNING"}, told("No new camera file was chosen"))
             return {"CANCELLED"}
         names = {camera.name for camera in work.cameras}
-        for picked in recordings.cameras_of(new):
+        for picked in camera_files.cameras_of(new):
             if picked.name in names:
                 text = told("There is a camera {name} already: rename the file").format(name=picked.name)
                 self.report({"WARNING"}, text)

@@ -15,12 +15,12 @@ from mcsl_core.edl import Edl
 from mcsl_core.errors import InputError, McslError
 
 from ...core.strip_plan import make_plan
-from ...sequencer import scene_properties as scenes
+from ...sequencer import scene_properties
 from ...sequencer.build import build_timeline, rebuild_timeline
 from ...sequencer.compat import sequencer_scene, use_sequencer_scene
 from ...sequencer.edit import clear_strip_decisions
 from ...sequencer.read import read_timeline
-from .. import refresh as watching
+from .. import refresh
 from ..translations.lookup import told
 
 
@@ -32,7 +32,7 @@ def build_into(scene, path: Path) -> list[str]:
     edl = edls.load(path)
     plan = make_plan(edl)
     use_sequencer_scene(scene)
-    if scene.get("mcsl_edl") and scene.sequence_editor is not None:
+    if scene_properties.has_timeline(scene):
         trial = bpy.data.scenes.new("mcsl trial")
         try:
             build_timeline(trial, plan, path.parent)
@@ -47,11 +47,11 @@ def build_into(scene, path: Path) -> list[str]:
                 scene.sequence_editor_clear()  # it was empty: leave it so
             raise
     folder = Path(bpy.data.filepath).parent if bpy.data.filepath else None
-    scenes.set_ids(scene, edl, path.resolve(), folder)
-    watching.show_recording(scene)
+    scene_properties.set_ids(scene, edl, path.resolve(), folder)
+    refresh.show_recording(scene)
     if folder is not None:
         bpy.ops.file.make_paths_relative()
-    watching.look(scene)
+    refresh.refresh_timeline(scene)
     _push_undo("mcsl: timeline")
     return notes
 
@@ -67,12 +67,12 @@ def pull(scene) -> tuple[Edl, bool]:
 
     McslError, for a folder that cannot be written to as well: then nothing has changed.
     """
-    old = scenes.edl_of(scene)
-    new = watching.decided(scene)
+    old = scene_properties.edl_of(scene)
+    new = refresh.decided(scene)
     if new != old:
-        edls.save(new, scenes.edl_path(scene, Path(bpy.data.filepath)))
+        edls.save(new, scene_properties.edl_path(scene, Path(bpy.data.filepath)))
     clear_strip_decisions(scene)
-    scene["mcsl_overrides"] = len(new.overrides)
+    scene[scene_properties.OVERRIDE_COUNT] = len(new.overrides)
     return new, new != old
 
 
@@ -103,7 +103,7 @@ class MCSL_OT_build_timeline(bpy.types.Operator):
             return {"CANCELLED"}
         for note in notes:
             self.report({"WARNING"}, note)
-        edl = scenes.edl_of(scene)
+        edl = scene_properties.edl_of(scene)
         text = told("{shots} shots, {overrides} overrides")
         self.report({"INFO"}, text.format(shots=len(edl.shots), overrides=len(edl.overrides)))
         return {"FINISHED"}
@@ -118,7 +118,7 @@ class MCSL_OT_pull_overrides(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return bool(sequencer_scene(context).get("mcsl_edl"))
+        return scene_properties.has_timeline(sequencer_scene(context))
 
     def execute(self, context):
         scene = sequencer_scene(context)

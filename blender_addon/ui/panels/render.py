@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is delivered, and where to."""
+
+from __future__ import annotations
+
+import bpy  # pyright: ignore[reportMissingImports]
+
+from ..operators.recording import work_of
+from .drawing import TimelinePanel
+
+
+class MCSL_PT_render(TimelinePanel, bpy.types.Panel):
+    bl_label = "Render"
+    bl_idname = "MCSL_PT_render"
+    bl_order = 5
+
+    def draw(self, context):
+        layout, work = self.layout, work_of(context)
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop(work, "preset")
+        layout.prop(work, "video")
+        if context.window_manager.mcsl_state.outstanding_s > 0:
+            layout.label(text="Conform first for exact pictures", icon="INFO")
+        row = layout.row(align=True)
+        row.operator("mcsl.render", icon="RENDER_ANIMATION")
+        row.operator("mcsl.apply_preset", icon="OUTPUT")
+
+
+CLASSES = (MCSL_PT_render,)
