@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Camera strips moved, turned or scaled by hand -> the EDL's corrections of where a camera's picture lies. No bpy.
 
-A nudge is judged against what the strip would show as the EDL has it now. Where they agree, nothing was decided. Where
-they do not, the nudge is the map of programme pixels that takes the picture from its automatic place to where it was
-put; exact pictures move by the same map, after homography and anchor and before centering. It holds for the whole
+A strip is judged against what it would show as the EDL has it now. Where they agree, nothing was decided. Where they do
+not, the correction is the map of programme pixels that takes the picture from its automatic place to where it was put;
+exact pictures move by the same map, after homography and anchor and before centering. It holds for the whole
 pose, in every file of the camera.
 """
 
@@ -142,7 +142,7 @@ def _with(
 
 
 def _holds(piece: FrameRange, pose: Pose) -> bool:
-    """Whether a correction of that range holds in ``pose``: as `decisions.correction_of` has it."""
+    """Whether a correction of that range holds in ``pose``: as `correction_of` has it."""
     shared = piece.intersection(pose.range)
     return shared is not None and 2 * len(shared) > len(pose.range)
 

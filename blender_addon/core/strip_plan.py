@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """EDL -> StripPlan: everything that stands in the sequencer, as plain values. No bpy; the decisions are made here.
 
-Frames are programme frames (0 is the first); `strips.py` adds Blender's 1. Channels bottom up: audio, the cameras
+Frames are programme frames (0 is the first); the sequencer adds Blender's 1. Channels bottom up: audio, the cameras
 with the reference camera last, Programme, Centering, Conformed; above is the editor's own. Offsets are in programme
-pixels, x right and y up as Blender has them. The way back is `readback.py`.
+pixels, x right and y up as Blender has them. The way back is `read_overrides.py`.
 
 A camera's clock drift is not in the preview: the start of each of its files is exact to the frame, within a file
 12 ppm come to one frame of 30 after 46 minutes. Conformed pictures follow the drift.
@@ -255,7 +255,7 @@ def corrected(edl: Edl, camera: Camera, pose: Pose, planned: Transform) -> Trans
 def base_matrix(edl: Edl, camera: Camera, pose: Pose, planned: Transform) -> Matrix:
     """Camera pixel -> programme pixel of the preview, to which a correction is applied.
 
-    For a weak camera it is not what ``planned`` shows but what `decisions.placed` starts from: edge on edge.
+    For a weak camera it is not what ``planned`` shows but what `placement_matrix` starts from: edge on edge.
     """
     if camera.name not in pose.homographies:
         return fit_matrix(camera.size, edl.size)

@@ -2,7 +2,7 @@
 """Where the `mcsl` program is: the one the preferences name, else found by itself. No bpy.
 
 Blender has a Python of its own, and mcsl needs libraries that do not belong in it, so mcsl is a program of its own
-that jobs.py starts. Looked for in this order: the path in the preferences, the environment variable MCSL, PATH, and
+that job.py starts. Looked for in this order: the path in the preferences, the environment variable MCSL, PATH, and
 the places where pip, pipx, uv and the project's own set-up put programs. The first that is there is taken; whether it
 runs is asked by `version_of`.
 """

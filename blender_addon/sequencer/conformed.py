@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The conformed pictures in the sequencer: put in place, muted where they no longer hold, back when they do again.
 
-`outstanding` decides; this does. A strip that holds in part is split there. Muted, not removed: when the editor takes
+core/stale.py decides; this does. A strip that holds in part is split there. Muted, not removed: when the editor takes
 the decision back, the exact picture returns at once. What an editor mutes stays muted.
 """
 
@@ -43,7 +43,7 @@ def note_basis(scene: Any, edl: Edl) -> None:
     scene[CONFORMED_BASIS] = stale.to_text(stale.basis_of(edl))
 
 
-def found(scene: Any) -> list[tuple[Any, FrameRange]]:
+def conformed_strips(scene: Any) -> list[tuple[Any, FrameRange]]:
     """Every conformed strip and the programme frames it shows, in order."""
     pairs = []
     for strip in scene.sequence_editor.strips:
@@ -59,7 +59,7 @@ def any_there(scene: Any) -> bool:
 
 def keep_true(scene: Any, now: Edl) -> Held:
     """Mutes what no longer shows what ``now`` decides, unmutes what does again."""
-    there = found(scene)
+    there = conformed_strips(scene)
     then = stale.from_text(scene.get(CONFORMED_BASIS, ""))
     gone = stale.changed(stale.basis_of(now), then) if there else ()
     lost, changed = [], False
@@ -70,7 +70,7 @@ def keep_true(scene: Any, now: Edl) -> Held:
             changed |= _set_holds(piece, part.holds)
             if not part.holds:
                 lost.append(part.range)
-    covered = [span for strip, span in found(scene) if not strip.mute]
+    covered = [span for strip, span in conformed_strips(scene) if not strip.mute]
     return Held(stale.outstanding(now.frames, covered), stale.without(lost, ()), changed)
 
 
@@ -94,7 +94,7 @@ def insert(scene: Any, edl: Edl, pieces: Sequence[ConformedPiece], sound: Path |
     channel = FIRST_CAMERA_CHANNEL + len(edl.cameras) + 2
     wanted = {str((base / piece.path).resolve()): piece for piece in pieces}
     whole = {}
-    for strip, span in found(scene):
+    for strip, span in conformed_strips(scene):
         path = str(Path(bpy.path.abspath(strip.filepath)).resolve())
         if path in wanted and wanted[path].range == span:
             whole[path] = strip

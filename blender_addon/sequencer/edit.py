@@ -71,7 +71,7 @@ def apply_switch(scene: Any, change: Switch) -> None:
 
 
 def apply_settings(scene: Any, settings: Mapping[str, Sequence[Setting]], look: Look) -> None:
-    """Strips cut and set as `reverting` decided; in what is set, look and centre are the programme's again."""
+    """Strips cut and set as core/revert.py decided; in what is set, look and centre are the programme's again."""
     for name, parts in settings.items():
         cuts = [part.range.stop for part in parts[:-1]]
         for strip, part in zip(split_at(scene.sequence_editor.strips[name], cuts), parts, strict=True):

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The one job that runs, as Blender sees it: a timer pumps it, the status bar and the panel show it.
 
-`jobs` does the work and knows no bpy. When a job is done, what follows from it (a timeline to build, pictures to put in
-place) may come in steps, so that the window stays alive: a generator, one step a tick.
+process/job.py does the work and knows no bpy. When a job is done, what follows from it (a timeline to build, pictures
+to put in place) may come in steps, so that the window stays alive: a generator, one step a tick.
 """
 
 from __future__ import annotations

@@ -110,7 +110,7 @@ for _stage, _label in STAGES.items():
 
 
 class MCSL_Shot(bpy.types.PropertyGroup):
-    """A row of the list of shots; see shots.ShotRow. Frames are the programme's."""
+    """A row of the list of shots; see `shot_list.ShotRow`. Frames are the programme's."""
 
     start: bpy.props.IntProperty()
     stop: bpy.props.IntProperty()

@@ -183,7 +183,7 @@ def _loaded(*_: Any) -> None:
             continue
         if problem:
             print(f"mcsl: warning: {Path(bpy.data.filepath).name}: {problem}", flush=True)
-        elif conformed.found(scene) and state.outstanding_s > 0:
+        elif conformed.conformed_strips(scene) and state.outstanding_s > 0:
             text = told("{seconds} of the programme show the preview, not the exact pictures. Conform before rendering")
             print(f"mcsl: warning: {text.format(seconds=shot_list.seconds_text(state.outstanding_s))}", flush=True)
 

@@ -2,7 +2,7 @@
 
 Blender is either a binary or a Python that has the module bpy. Nothing here imports bpy. Each bpy has a wheel for one
 Python only, so ours lives in an environment of its own, and it links against system libraries that a bare Debian
-lacks. Running a task in a Blender is blender_child.py.
+lacks. Running a task in a Blender is child.py.
 """
 
 from __future__ import annotations

@@ -42,9 +42,8 @@ def names_in(source: str) -> list[str]:
     """Property names that a source text spells out: mcsl_*, whole or begun in an f-string, and `mcsl` as a key."""
     found = []
     for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str):
-            if node.value in SAVED - {"mcsl"} or node.value == "mcsl_":
-                found.append(node.value)
+        if isinstance(node, ast.Constant) and node.value in {*SAVED, "mcsl_"} - {"mcsl"}:
+            found.append(node.value)
         keys = []
         if isinstance(node, ast.Subscript):
             keys = [node.slice]

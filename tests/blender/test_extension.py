@@ -83,7 +83,7 @@ def test_it_is_one_zip_of_pure_python(package):
         manifest = archive.read("blender_manifest.toml").decode()
         for name in wheels:
             assert f'"./wheels/{name}"' in manifest
-        assert not [name for name in names if "__pycache__" in name or name in ("background.py", "tasks.py")]
+        assert not [name for name in names if "__pycache__" in name or name.startswith("worker/")]
     assert f'version = "{__version__}"' in manifest
 
 
@@ -103,8 +103,9 @@ def test_it_works_from_its_own_wheels_alone(built, blender, package, tmp_path):
     scene.frame_set(6)
     bpy.ops.mcsl.switch_camera(camera="cam3")
     bpy.ops.mcsl.pull_overrides()
-    from bl_ext.user_default.mcsl import deliveries, preferences
-    out = [used, where, rows, [d.name for d in deliveries.load_all()], preferences.MCSL_Preferences.bl_idname]
+    from bl_ext.user_default.mcsl.core import presets
+    from bl_ext.user_default.mcsl.ui import preferences
+    out = [used, where, rows, list(presets.load_all()), preferences.MCSL_Preferences.bl_idname]
     """
     (used, where, rows, presets, name), _ = installed(blender, package, tmp_path, code)
     assert used == ["bl_ext.user_default.mcsl"]
@@ -143,8 +144,8 @@ def test_off_and_on_again_says_nothing(blender, package, tmp_path):
 def test_without_mcsl_it_names_the_one_command_that_installs_it(built, blender, package, tmp_path):
     code = f"""
     bpy.ops.wm.open_mainfile(filepath={str(built)!r})
-    from bl_ext.user_default.mcsl import finding
-    finding.usual_places = lambda environ, home: []  # this machine may have one where people have them
+    from bl_ext.user_default.mcsl.process import find_mcsl
+    find_mcsl.usual_places = lambda environ, home: []  # this machine may have one where people have them
     out = []
     for press in (bpy.ops.mcsl.conform, bpy.ops.mcsl.analyse):
         try:

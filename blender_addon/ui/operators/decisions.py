@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From shot to shot, and back to the automatic choice. Choosing a camera is by_hand.py's.
+"""From shot to shot, and back to the automatic choice. Choosing a camera is multicam.py's.
 
 No `from __future__ import annotations` here: Blender reads the properties from the annotations themselves.
 """

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Cutting by hand: a key or click for each camera, and strips set back to their automatic place.
 
-What a press means is decided in multicam.py and nudges.py. Blender's own multicam keys take the number of a channel,
+What a press means is decided in core/multicam.py. Blender's own multicam keys take the number of a channel,
 and ours have the sound on channel 1 and the reference camera last; so in an mcsl timeline key n is the EDL's n-th
 camera. In every other scene the operator does not answer, and Blender's own gets the key. No `from __future__ import
 annotations` here: Blender reads the properties from the annotations themselves.

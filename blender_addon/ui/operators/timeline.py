@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """An EDL's timeline into this scene, and the editor's decisions back into the EDL.
 
-Everything is decided in plan.py and readback.py; here stand the file dialogue, the messages and the order. No
-`from __future__ import annotations` here: Blender reads the properties from the annotations themselves.
+Everything is decided in core/strip_plan.py and core/read_overrides.py; here stand the file dialogue, the messages and
+the order. No `from __future__ import annotations` here: Blender reads the properties from the annotations themselves.
 """
 
 from pathlib import Path

@@ -36,7 +36,7 @@ def built(edl: Edl) -> SequencerState:
     return state_of(make_plan(edl))
 
 
-def nudge(state: SequencerState, camera: str, start: int, **fields) -> SequencerState:
+def moved_by_hand(state: SequencerState, camera: str, start: int, **fields) -> SequencerState:
     """The camera's strip that begins at ``start`` with other numbers in its transform."""
     cameras = []
     for strip in state.cameras:
@@ -52,7 +52,7 @@ def moved(edl: Edl, by: float) -> Edl:
     """cam2 of the second pose ``by`` pixels to the right of where it stands."""
     strip = next(s for s in built(edl).cameras if (s.camera, s.start) == ("cam2", 120))
     assert strip.transform is not None
-    return read_edl(edl, nudge(built(edl), "cam2", 120, offset_x=strip.transform.offset_x + by))
+    return read_edl(edl, moved_by_hand(built(edl), "cam2", 120, offset_x=strip.transform.offset_x + by))
 
 
 def test_untouched_strips_decide_nothing():
@@ -69,13 +69,13 @@ def test_a_shift_is_a_correction_of_that_pose_alone():
 
 def test_up_is_up():
     edl = two_poses()
-    new = read_edl(edl, nudge(built(edl), "cam3", 0, offset_y=4.0))  # y up in Blender, down in the programme
+    new = read_edl(edl, moved_by_hand(built(edl), "cam3", 0, offset_y=4.0))  # y up in Blender, down in the programme
     np.testing.assert_allclose(new.corrections[0].matrix, [[1, 0, 0], [0, 1, -4], [0, 0, 1]], atol=1e-9)
 
 
 def test_a_turn_is_about_the_middle_of_the_picture_as_it_is_shown():
     edl = two_poses()
-    new = read_edl(edl, nudge(built(edl), "cam3", 0, rotation=math.radians(90)))
+    new = read_edl(edl, moved_by_hand(built(edl), "cam3", 0, rotation=math.radians(90)))
     to = np.array(new.corrections[0].matrix)
     middle = np.array([159.5, 89.5, 1])
     np.testing.assert_allclose(to @ middle, middle, atol=1e-9)
@@ -86,7 +86,7 @@ def test_set_back_to_its_automatic_place_the_correction_goes():
     edl = moved(two_poses(), 7.5)
     planned = next(s.planned for s in built(edl).cameras if (s.camera, s.start) == ("cam2", 120))
     assert planned is not None
-    state = nudge(built(edl), "cam2", 120, **attrs.asdict(planned))
+    state = moved_by_hand(built(edl), "cam2", 120, **attrs.asdict(planned))
     assert read_edl(edl, state) == two_poses()
 
 
@@ -127,12 +127,12 @@ def test_one_file_touched_holds_for_the_pose_and_two_that_differ_are_refused():
     files = (Media("a.mp4", 100), Media("b.mp4", 200))
     cameras = tuple(attrs.evolve(c, media=files) if c.name == "cam3" else c for c in small_edl().cameras)
     edl = small_edl(cameras=cameras)
-    state = nudge(built(edl), "cam3", 100, offset_x=3.0)
+    state = moved_by_hand(built(edl), "cam3", 100, offset_x=3.0)
     [correction] = read_edl(edl, state).corrections
     assert correction.range == R(0, 300)
     with pytest.raises(InputError, match=r"strips 'cam3\.0' and 'cam3\.100' of cam3: stand differently in one pose"):
-        read_edl(edl, nudge(state, "cam3", 0, offset_x=5.0))
-    assert read_edl(edl, nudge(state, "cam3", 0, offset_x=3.0)).corrections == (correction,)
+        read_edl(edl, moved_by_hand(state, "cam3", 0, offset_x=5.0))
+    assert read_edl(edl, moved_by_hand(state, "cam3", 0, offset_x=3.0)).corrections == (correction,)
 
 
 def test_a_deleted_or_older_strip_says_nothing():
@@ -148,7 +148,7 @@ def test_a_deleted_or_older_strip_says_nothing():
 def test_a_mirrored_or_vanished_picture_is_refused(fields):
     edl = two_poses()
     with pytest.raises(InputError, match=r"strip 'cam3\.0' of cam3, frame 1: is mirrored or scaled to nothing"):
-        read_edl(edl, nudge(built(edl), "cam3", 0, **fields))
+        read_edl(edl, moved_by_hand(built(edl), "cam3", 0, **fields))
 
 
 def test_a_weak_camera_is_placed_by_hand():
@@ -156,7 +156,7 @@ def test_a_weak_camera_is_placed_by_hand():
     cameras = tuple(attrs.evolve(c, size=(300, 100)) if c.name == "cam3" else c for c in small_edl().cameras)
     pose = Pose(R(0, 300), {"cam1": IDENTITY, "cam2": IDENTITY}, weak=(Weak("cam3", "no matches"),))
     edl = small_edl(cameras=cameras, poses=(pose,))
-    state = nudge(built(edl), "cam3", 0, offset_x=20.0, rotation=0.3, scale=0.8)
+    state = moved_by_hand(built(edl), "cam3", 0, offset_x=20.0, rotation=0.3, scale=0.8)
     new = read_edl(edl, state)
     set_to = Transform(20.0, 0.0, 0.8, 0.3)
     np.testing.assert_allclose(
@@ -174,9 +174,9 @@ def test_a_correction_no_strip_can_show_is_shown_as_nearly_as_it_can_and_stays()
 
 
 def test_a_strip_of_an_older_analysis_holds_where_it_lies():
-    """Built with one pose, nudged; the lamp is now known to have moved at 50: the strip lies over both poses."""
+    """Built with one pose, corrected; the lamp is now known to have moved at 50: the strip lies over both poses."""
     edl = small_edl()
-    state = nudge(built(edl), "cam3", 0, offset_x=6.0)
+    state = moved_by_hand(built(edl), "cam3", 0, offset_x=6.0)
     poses = tuple(attrs.evolve(edl.poses[0], range=r) for r in (R(0, 50), R(50, 300)))
     new = read_edl(attrs.evolve(edl, poses=poses), state)
     assert [(c.range, c.matrix[0][2]) for c in new.corrections] == [(R(0, 50), 6.0), (R(50, 300), 6.0)]
@@ -185,7 +185,7 @@ def test_a_strip_of_an_older_analysis_holds_where_it_lies():
 def test_a_strip_that_reaches_a_little_into_a_pose_says_nothing_about_it():
     """Built with the pose's end at 120, which a new analysis puts at 75: the strip lies over a fifth of the next."""
     edl = two_poses()
-    state = nudge(built(edl), "cam3", 0, offset_x=6.0)
+    state = moved_by_hand(built(edl), "cam3", 0, offset_x=6.0)
     poses = (attrs.evolve(edl.poses[0], range=R(0, 75)), attrs.evolve(edl.poses[1], range=R(75, 190)))
     poses = (*poses, attrs.evolve(edl.poses[1], range=R(190, 300)))
     new = read_edl(attrs.evolve(edl, poses=poses), state)
@@ -261,7 +261,7 @@ def test_what_blender_rounds_is_no_nudge(edl: Edl):
 @given(placed_edls(), st.sampled_from(CAMERAS), st.sampled_from((0, 140)), transforms)
 def test_a_nudge_comes_back_as_it_was_set(edl: Edl, camera: str, start: int, to: Transform):
     """Strips -> EDL -> text -> EDL -> strips: the strip stands where it was put, all others where they stood."""
-    state = nudge(found(edl), camera, start, **attrs.asdict(as_blender_keeps(to)))
+    state = moved_by_hand(found(edl), camera, start, **attrs.asdict(as_blender_keeps(to)))
     new = loads(dumps(read_edl(edl, state)))
     assert new.overrides == edl.overrides
     assert {(c.camera, c.range.start) for c in new.corrections} <= {(camera, start)}

@@ -11,8 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import ranges
 
-from blender_addon.core import camera_files as recordings
-from blender_addon.core import shot_list as shots
+from blender_addon.core import camera_files, shot_list
 from blender_addon.core.camera_files import STAGES
 from blender_addon.core.read_overrides import read_edl
 from blender_addon.core.revert import revert
@@ -28,7 +27,7 @@ EDL = small_edl(overrides=OVERRIDES)
 
 
 def test_a_row_for_each_decision():
-    rows = shots.rows_of(EDL)
+    rows = shot_list.rows_of(EDL)
     check_tiles((row.range for row in rows), EDL.frames, "rows")
     assert [(r.range.start, r.camera, r.automatic, r.overridden) for r in rows] == [
         (0, "cam1", "cam1", False),
@@ -42,16 +41,16 @@ def test_a_row_for_each_decision():
 
 
 def test_from_override_to_override():
-    rows = shots.rows_of(EDL)
-    assert [shots.row_at(rows, frame) for frame in (-1, 0, 19, 20, 299, 300)] == [-1, 0, 0, 1, 6, -1]
-    assert [shots.next_override(rows, frame) for frame in (0, 20, 95, 100)] == [1, 3, 4, -1]
-    assert [shots.next_override(rows, frame, back=True) for frame in (20, 21, 300)] == [-1, 1, 4]
+    rows = shot_list.rows_of(EDL)
+    assert [shot_list.row_at(rows, frame) for frame in (-1, 0, 19, 20, 299, 300)] == [-1, 0, 0, 1, 6, -1]
+    assert [shot_list.next_override(rows, frame) for frame in (0, 20, 95, 100)] == [1, 3, 4, -1]
+    assert [shot_list.next_override(rows, frame, back=True) for frame in (20, 21, 300)] == [-1, 1, 4]
 
 
 def test_times_for_people():
-    assert shots.time_text(0, Fraction(30)) == "0:00:00:00"
-    assert shots.time_text(30 * 3725 + 7, Fraction(30000, 1001)) == "1:02:05:07"
-    said = [shots.seconds_text(s).replace("\u00a0", " ") for s in (0, 4.21, 59.97, 83, 3725)]
+    assert shot_list.time_text(0, Fraction(30)) == "0:00:00:00"
+    assert shot_list.time_text(30 * 3725 + 7, Fraction(30000, 1001)) == "1:02:05:07"
+    said = [shot_list.seconds_text(s).replace("\u00a0", " ") for s in (0, 4.21, 59.97, 83, 3725)]
     assert said == ["0.0 s", "4.2 s", "1:00", "1:23", "1:02:05"]
 
 
@@ -91,7 +90,7 @@ def test_files_are_cameras_as_the_command_line_names_them(tmp_path):
     names = ["op_000.mp4", "op_001.mp4", "top.mp4", "GOPR_0001.mp4", "one_007.mp4", "cam-000.mp4", "cam-001.mp4"]
     for name in names:
         (tmp_path / name).touch()
-    picked = recordings.cameras_of([str(tmp_path / name) for name in names])
+    picked = camera_files.cameras_of([str(tmp_path / name) for name in names])
     assert [camera.name for camera in picked] == ["op", "top", "GOPR_0001", "one_007", "cam"]
     assert [len(camera.files) for camera in picked] == [2, 1, 1, 1, 2]
 
@@ -102,12 +101,12 @@ def test_as_the_command_line_groups_them(tmp_path, monkeypatch):
     paths = [tmp_path / name for name in names]
     for path in paths:
         path.touch()
-    ours = [(c.name, c.files) for c in recordings.cameras_of([str(p) for p in paths])]
+    ours = [(c.name, c.files) for c in camera_files.cameras_of([str(p) for p in paths])]
     assert ours == [(name, tuple(map(str, files))) for name, files in discover(paths)]
 
 
 def test_the_command():
-    command = recordings.analyse_command(
+    command = camera_files.analyse_command(
         "mcsl", ["a.mp4"], "e.json", reference="a", stages={"filler": "", "matcher": "x"}
     )
     assert command == [

@@ -212,11 +212,11 @@ def test_a_camera_that_came_into_the_edl_gets_a_channel_and_every_shot_its_camer
         shown = sorted([span(s)[0], s.multicam_source, s.channel] for s in strips if s.type == "MULTICAM")
         out = [cameras, shown, strips["title"].channel, at(3, 40).transform.offset_x]
     """
-    cameras, shown, title, nudged = in_blender(blender, built, code, save=False)
+    cameras, shown, title, offset = in_blender(blender, built, code, save=False)
     assert cameras == [[2, "cam2"], [3, "cam3"], [4, "cam6"], [5, "cam1"]]
     assert shown == [[0, 5, 6], [20, 3, 6], [40, 3, 6], [45, 5, 6], [50, 3, 6]]
     assert title == 9
-    assert nudged == pytest.approx(5)
+    assert offset == pytest.approx(5)
     before = path.read_bytes()
     pull_overrides(built, blender=blender)
     assert path.read_bytes() == before

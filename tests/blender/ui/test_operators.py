@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 from pathlib import Path
@@ -12,10 +11,11 @@ from blender_recording import SWITCH_ON, R, in_blender
 
 import blender_addon
 from mcsl_core import edl as edls
-from mcsl_core.blender.child import search_paths
 from mcsl_core.edl import Override
 
 pytestmark = pytest.mark.both_blenders
+
+ADDON = Path(blender_addon.__file__).parent
 
 
 def test_it_registers_and_unregisters_twice(built, blender):
@@ -104,12 +104,14 @@ def test_the_manifest_passes_blenders_own_tool(blender):
         origin = subprocess.run([*blender.command, "-c", code], capture_output=True, text=True, check=True).stdout
         tool = next(Path(origin.strip()).parent.glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py"))
         command = [*blender.command, str(tool), "validate"]
-    folder = str(Path(blender_addon.__file__).parent)
-    done = subprocess.run([*command, folder], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([*command, str(ADDON)], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_the_plan_side_imports_no_bpy():
-    code = "import sys; sys.modules['bpy'] = None; import blender_addon.plan, blender_addon.readback; print('fine')"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=search_paths()[0])
-    assert json.dumps(done.stdout.strip()) == '"fine"', done.stderr
+@pytest.mark.parametrize("room", ["core", "process"])
+def test_what_decides_needs_no_blender(room):
+    names = [f"blender_addon.{room}.{path.stem}" for path in (ADDON / room).glob("[!_]*.py")]
+    assert len(names) > 1
+    code = f"import sys; sys.modules['bpy'] = None; import {', '.join(names)}"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ADDON.parent)
+    assert done.returncode == 0, done.stderr

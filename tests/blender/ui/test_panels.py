@@ -20,7 +20,7 @@ ON = f"""
     warnings.simplefilter("error")
     sys.path.extend({[*search_paths(), HERE]!r})
     import blender_addon, panel_recorder as recorder
-    from blender_addon import running, watching
+    from blender_addon.ui import job_runner, refresh
     blender_addon.register()
     state = bpy.context.window_manager.mcsl_state
     def texts(*names):
@@ -35,7 +35,7 @@ def test_it_shows_the_work_in_order(built, blender):
     code = (
         ON
         + """
-    watching.look(scene)
+    refresh.refresh_timeline(scene)
     order = [k.bl_label for k in sorted((getattr(bpy.types, n) for n in dir(bpy.types) if n.startswith("MCSL_PT_")
              and not hasattr(getattr(bpy.types, n), "bl_parent_id")), key=lambda k: k.bl_order)]
     out = [order, texts()]
@@ -51,7 +51,7 @@ def test_the_list_of_shots_says_what_the_viewer_gets(built, blender):
     code = (
         ON
         + """
-    watching.look(scene)
+    refresh.refresh_timeline(scene)
     out = [[i.start, i.stop, i.camera, i.overridden, i.time] for i in state.shots]
     """
     )
@@ -75,17 +75,17 @@ def test_conforming_puts_the_exact_pictures_in_place_and_a_decision_takes_them_a
         ON
         + MCSL
         + """
-    from blender_addon import conformed
+    from blender_addon.sequencer import conformed
     def there():
-        return [[span.start, span.stop, bool(s.mute)] for s, span in conformed.found(scene)]
-    watching.look(scene)
+        return [[span.start, span.stop, bool(s.mute)] for s, span in conformed.conformed_strips(scene)]
+    refresh.refresh_timeline(scene)
     before = state.outstanding_s
     bpy.ops.mcsl.conform()
-    status = running.wait(120)
-    out = [[round(before, 2), status.outcome, running.desk.message], there(), state.outstanding_s]
+    status = job_runner.wait(120)
+    out = [[round(before, 2), status.outcome, job_runner.desk.message], there(), state.outstanding_s]
     go(25)
     bpy.ops.mcsl.switch_camera(camera="cam3")
-    watching.look(scene)
+    refresh.refresh_timeline(scene)
     out += [there(), round(state.outstanding_s, 3), round(state.lost_s, 3), texts("MCSL_PT_conform")]
     bpy.ops.mcsl.revert()
     out += [there(), state.outstanding_s]
@@ -158,7 +158,7 @@ def test_a_fault_is_one_line_and_the_timeline_stays(built, blender, fault):
         + f"""
     import signal
     folder, edl, kill, stop = {str(built.parent)!r}, {str(built.parent / "edl.json")!r}, False, False
-    watching.look(scene)
+    refresh.refresh_timeline(scene)
     def listing():
         return sorted([s.channel, *span(s), s.type, s.mute, getattr(s, "multicam_source", 0)] for s in strips)
     go(5)
@@ -168,17 +168,17 @@ def test_a_fault_is_one_line_and_the_timeline_stays(built, blender, fault):
     said = ""
     try:
         bpy.ops.mcsl.conform()
-        job = running.desk.running.job
+        job = job_runner.desk.running.job
         if kill: os.kill(job.pid, signal.SIGKILL)
         assert "Conform" not in texts("MCSL_PT_conform")[2:], "a bar and Cancel in place of the button"
         if stop: bpy.ops.mcsl.cancel()
-        running.wait(120)
-        said = running.desk.message
+        job_runner.wait(120)
+        said = job_runner.desk.message
     except RuntimeError as error:
         said = str(error)
-    watching.look(scene)
+    refresh.refresh_timeline(scene)
     texts()  # the panel can still be drawn
-    out = [said.strip(), listing() == before, running.busy(), sorted(os.listdir(os.path.dirname(edl)))]
+    out = [said.strip(), listing() == before, job_runner.busy(), sorted(os.listdir(os.path.dirname(edl)))]
     """
     )
     said, same, busy, files = in_blender(blender, built, code, save=False)
@@ -195,7 +195,7 @@ def test_every_decision_can_be_undone(built, blender):
         ON
         + """
     def decided():
-        return [[d.start, d.camera, d.overridden] for d in state.shots], watching.last(scene).look.fill
+        return [[d.start, d.camera, d.overridden] for d in state.shots], refresh.last(scene).look.fill
     presses = {
         "switch": lambda: bpy.ops.mcsl.switch_camera(camera="cam3"),
         "look": lambda: bpy.ops.mcsl.set_look(aid="fill", on=False, whole=True),
@@ -206,17 +206,17 @@ def test_every_decision_can_be_undone(built, blender):
     out = {}
     for name, press in presses.items():
         scene.frame_set(11)
-        watching.look(scene)
+        refresh.refresh_timeline(scene)
         before = decided()
         bpy.ops.ed.undo_push(message="before")
         press()
         scene = next(s for s in bpy.data.scenes if s.get("mcsl_edl"))
-        watching.look(scene)
+        refresh.refresh_timeline(scene)
         after = decided()
         bpy.ops.ed.undo_push(message="after")
         bpy.ops.ed.undo()
         scene = next(s for s in bpy.data.scenes if s.get("mcsl_edl"))
-        watching.look(scene)
+        refresh.refresh_timeline(scene)
         out[name] = [before != after, decided() == before]
     kinds = [getattr(bpy.types, name) for name in dir(bpy.types) if name.startswith("MCSL_OT_")]
     out["without"] = sorted(k.__name__ for k in kinds if not {"UNDO", "INTERNAL"} & set(k.bl_options))
@@ -232,7 +232,7 @@ def test_looks_and_centres_by_hand_come_into_the_edl(built, blender):
     code = (
         ON
         + """
-    watching.look(scene)
+    refresh.refresh_timeline(scene)
     go(25)
     bpy.ops.mcsl.set_look(aid="fill", on=False)
     bpy.ops.mcsl.set_look(aid="colour", on=False)
@@ -285,18 +285,18 @@ def test_from_camera_files_to_a_timeline_and_again(simulated, built, blender):
     bpy.ops.mcsl.set_reference(camera="cam2")
     out = [[c.name for c in work.cameras]]
     bpy.ops.mcsl.read_plugins()
-    while running.pump_plugins(): pass
+    while job_runner.pump_plugins(): pass
     work.filler = "reference"
     work.edl = {str(built.parent / "new.json")!r}
     out.append(work.plugin("filler"))
     bpy.ops.mcsl.analyse()
-    out.append(running.wait(120).outcome)
-    out.append([running.desk.message, len(state.shots), texts("MCSL_PT_recording")])
+    out.append(job_runner.wait(120).outcome)
+    out.append([job_runner.desk.message, len(state.shots), texts("MCSL_PT_recording")])
     scene.frame_set(51)
     camera = next(c.name for c in work.cameras if c.name != state.shots[0].camera)
     bpy.ops.mcsl.switch_camera(camera=camera)
     bpy.ops.mcsl.analyse()
-    out.append(running.wait(120).outcome)
+    out.append(job_runner.wait(120).outcome)
     out.append([[s.start, s.overridden] for s in state.shots])
     """
     )
@@ -318,7 +318,7 @@ def test_a_video_by_the_render_button(built, blender):
     code = (
         ON
         + f"""
-    watching.look(scene)
+    refresh.refresh_timeline(scene)
     scene.mcsl_work.preset = "review"
     scene.mcsl_work.video = {str(built.parent / "out.mov")!r}
     refused = ""

@@ -27,15 +27,15 @@ CAMERAS = """
 """
 
 
-def test_a_nudge_goes_into_the_edl_shows_again_and_can_be_taken_back(built, blender):
+def test_a_correction_goes_into_the_edl_shows_again_and_can_be_taken_back(built, blender):
     path = built.parent / "edl.json"
     before = path.read_bytes()
-    nudged = """
+    by_hand = """
         t = camera("cam3", 30).transform
         t.offset_x, t.offset_y, t.rotation, t.scale_x, t.scale_y = 12.5, -7.0, 0.05, 1.1, 1.05
         out = stands(camera("cam3", 30))
     """
-    set_to = in_blender(blender, built, CAMERAS + nudged)
+    set_to = in_blender(blender, built, CAMERAS + by_hand)
     pull_overrides(built, blender=blender)
     new = edls.load(path)
     [correction] = new.corrections
@@ -68,7 +68,7 @@ def test_only_camera_strips_that_know_their_place_are_set_back_and_it_can_be_und
         del old["mcsl_planned"]
         out = [polls(at(5, 0)), polls(old), polls(camera("cam3", 30))]
         camera("cam3", 30).transform.offset_x = 9.0
-        bpy.ops.ed.undo_push(message="nudged")
+        bpy.ops.ed.undo_push(message="corrected")
         bpy.ops.mcsl.reset_alignment("EXEC_DEFAULT", True)
         out.append(stands(camera("cam3", 30))[0])
         bpy.ops.ed.undo()
@@ -97,10 +97,10 @@ def first_luma(path):
 
 
 def test_the_exact_picture_moves_as_the_editor_saw_the_preview_move(tmp_path, blender):
-    """Spots in the preview before and after a nudge, and in the exact picture: they must all move alike.
+    """Spots in the preview before and after a correction, and in the exact picture: they must all move alike.
 
     The homography has perspective, so that preview and exact picture differ; a map of programme pixels moves both by
-    the same map, and so apart by (scale and turn of the nudge - 1) times that difference.
+    the same map, and so apart by (scale and turn of the correction - 1) times that difference.
     """
     homography = ((0.9, 0.12, -4.0), (-0.08, 1.02, 12.0), (2e-4, -1.5e-4, 1.0))
     spots(tmp_path / "a.mp4", (320, 180), SPOTS)
