@@ -14,7 +14,7 @@ from mcsl_core.blender.child import search_paths
 from mcsl_core.edl import Look
 from mcsl_core.progress import Silent
 
-HERE = __file__.rpartition("/")[0]
+HERE = str(Path(__file__).parents[2])  # of panel_recorder.py
 ON = f"""
     import warnings
     warnings.simplefilter("error")
