@@ -226,11 +226,6 @@ def _without(start: int, stop: int, gaps: Iterable[FrameRange]) -> list[tuple[in
     return [(a, b) for a, b in pieces if a < b]
 
 
-def camera_transform(edl: Edl, camera: Camera, pose: Pose) -> Transform:
-    """The strip transform that shows the camera in the programme, moved by the editor's correction if there is one."""
-    return corrected(edl, camera, pose, planned_transform(edl, camera, pose))
-
-
 def planned_transform(edl: Edl, camera: Camera, pose: Pose) -> Transform:
     """The similarity nearest to the camera's way into the programme as analysed; a weak camera stands whole."""
     matrix = placement_matrix(attrs.evolve(edl, corrections=()), pose, camera.name)

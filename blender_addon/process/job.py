@@ -86,10 +86,6 @@ class Job:
         return self.status.outcome == "running"
 
     @property
-    def pid(self) -> int:
-        return self._child.pid
-
-    @property
     def stopping(self) -> bool:
         """Asked to stop, and not gone yet."""
         return self.running and self._asked is not None
@@ -129,15 +125,6 @@ class Job:
                 self._child.kill()
             else:
                 os.killpg(self._child.pid, signal.SIGKILL)
-
-    def wait(self, timeout_s: float) -> Status:
-        """Pumps until it has ended; for scripts and tests. TimeoutError when it has not by then."""
-        until = time.monotonic() + timeout_s
-        while self.pump().outcome == "running":
-            if time.monotonic() > until:
-                raise TimeoutError(f"the job still runs after {timeout_s} s")
-            time.sleep(0.02)
-        return self.status
 
     # ------------------------------------------------------------------------------------------------- messages
 

@@ -39,7 +39,6 @@ class Running:
     follow: Follow | None
     rest: Iterator[float] | None = None
     part: float = 0.0
-    notes: int = 0
 
 
 @define
@@ -80,7 +79,7 @@ def cancel() -> None:
 
 
 def pump() -> bool:
-    """One step; whether there is more to do. Called by the timer, and by scripts without a window."""
+    """One step; whether there is more to do. Called by the timer."""
     run = desk.running
     if run is None:
         return False
@@ -106,17 +105,6 @@ def pump() -> bool:
         say(f"{run.title}: {type(error).__name__}: {error}", "ERROR", run.title)
         raise
     return False
-
-
-def wait(timeout_s: float) -> Status:
-    """Runs the job to its end without a window; for scripts and tests."""
-    run = desk.running
-    assert run is not None, "no job runs"
-    if run.job.running:
-        run.job.wait(timeout_s)
-    while pump():
-        pass
-    return run.job.status
 
 
 def _finish(run: Running, status: Status) -> None:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import os
 import shutil
-import signal
 import sys
 import time
 from pathlib import Path
 
 import pytest
 
-from blender_addon.process.job import STOPPED, Job, one_line
+from blender_addon.process.job import STOPPED, Job, Status, one_line
 from mcsl_core.errors import McslError
 
 SAYS = """
@@ -28,6 +27,14 @@ def mcsl(*arguments: str) -> Job:
     command = shutil.which("mcsl", path=str(Path(sys.executable).parent))
     assert command, "the command line is installed beside the tests' Python"
     return Job([command, "--progress", "json", *arguments])
+
+
+def ended(job: Job, timeout_s: float) -> Status:
+    until = time.monotonic() + timeout_s
+    while job.pump().outcome == "running":
+        assert time.monotonic() < until, f"the job still runs after {timeout_s} s"
+        time.sleep(0.02)
+    return job.status
 
 
 def test_stage_count_note_and_result_are_read_as_they_come(tmp_path):
@@ -47,7 +54,7 @@ say(done=8); say(result={{"edl": "x.json"}})
     assert (status.stage, status.done, status.total, status.unit) == ("aligning", 2, 8, "poses")
     assert (status.fraction, status.notes, status.outcome) == (0.25, ("cam3 is weak",), "running")
     go.touch()
-    status = job.wait(30)
+    status = ended(job, 30)
     assert (status.outcome, status.fraction, dict(status.result)) == ("done", 1.0, {"edl": "x.json"})
 
 
@@ -55,26 +62,24 @@ def test_an_error_is_one_line_that_says_what_where_and_what_to_do():
     job = child(
         'say(error={"what": "is\\nmissing", "where": "cam1.mp4", "remedy": "Put it back", "exit_code": 3}); sys.exit(3)'
     )
-    status = job.wait(30)
+    status = ended(job, 30)
     assert (status.outcome, status.message) == ("failed", "cam1.mp4: is missing. Put it back")
 
 
 def test_a_message_with_a_wrong_value_ends_the_job_and_names_it():
-    status = child("say(stage='x', total='many'); time.sleep(60)").wait(30)
+    status = ended(child("say(stage='x', total='many'); time.sleep(60)"), 30)
     assert status.outcome == "failed"
     assert status.message.startswith('a line of progress at $.total: expected a whole number, got "many". mcsl and its')
 
 
 def test_a_child_that_fails_without_a_word_is_told_by_its_last_line():
-    assert child("sys.exit('no module named cv2')").wait(30).message == "mcsl failed: no module named cv2"
-    assert child("sys.exit(9)").wait(30).message == "mcsl failed: it ended with code 9 and said nothing"
+    assert ended(child("sys.exit('no module named cv2')"), 30).message == "mcsl failed: no module named cv2"
+    assert ended(child("sys.exit(9)"), 30).message == "mcsl failed: it ended with code 9 and said nothing"
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals")
 def test_a_child_killed_from_outside_is_told_so():
-    job = child("time.sleep(60)")
-    os.kill(job.pid, signal.SIGKILL)
-    status = job.wait(30)
+    status = ended(child("import os, signal; os.kill(os.getpid(), signal.SIGKILL)"), 30)
     assert status.outcome == "failed"
     assert status.message.startswith("mcsl was ended from outside (SIGKILL). Start it again")
 
@@ -86,7 +91,7 @@ def test_cancelling_asks_first_and_kills_after_the_grace(monkeypatch):
         time.sleep(0.01)
     job.cancel()
     assert job.stopping
-    assert job.wait(10).outcome == "stopped"
+    assert ended(job, 10).outcome == "stopped"
     assert job.status.message == STOPPED
 
 
@@ -102,7 +107,7 @@ open({str(pid)!r}, "w").write(str(grandchild.pid)); say(note="started"); time.sl
     while not job.pump().notes:
         time.sleep(0.01)
     job.kill()
-    assert job.wait(10).outcome == "stopped"
+    assert ended(job, 10).outcome == "stopped"
     deadline = time.monotonic() + 5
     while _alive(int(pid.read_text())) and time.monotonic() < deadline:
         time.sleep(0.02)
@@ -124,13 +129,13 @@ def test_a_stopped_mcsl_leaves_nothing_half_written(tmp_path):
         time.sleep(0.02)
     assert job.status.outcome == "running"
     job.cancel()
-    assert job.wait(30).outcome == "stopped"
+    assert ended(job, 30).outcome == "stopped"
     assert not list(tmp_path.rglob("*.mp4"))
     assert not list(tmp_path.rglob("*.part"))
 
 
 def test_mcsl_that_refuses_says_why_in_a_line(tmp_path):
-    status = mcsl("conform", str(tmp_path / "none.json")).wait(60)
+    status = ended(mcsl("conform", str(tmp_path / "none.json")), 60)
     assert status.outcome == "failed"
     assert "none.json" in status.message
     assert len(status.message.splitlines()) == 1
@@ -138,7 +143,7 @@ def test_mcsl_that_refuses_says_why_in_a_line(tmp_path):
 
 def test_the_text_of_a_command_that_is_no_long_work():
     job = child("print('[1,'); print('2]')")
-    assert job.wait(30).outcome == "done"
+    assert ended(job, 30).outcome == "done"
     assert job.output() == "[1,\n2]\n"
 
 
@@ -150,7 +155,7 @@ def test_what_cannot_be_started_is_said(tmp_path):
 def test_the_childs_python_is_its_own(monkeypatch):
     monkeypatch.setenv("PYTHONPATH", "/of/blender")
     job = child("import os; say(result={'path': os.environ.get('PYTHONPATH')})")
-    assert job.wait(30).result == {"path": None}
+    assert ended(job, 30).result == {"path": None}
 
 
 def test_one_line():

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from blender_recording import SIZE, in_blender
 
-from blender_addon.core.strip_plan import camera_transform
+from blender_addon.core.strip_plan import corrected, planned_transform
 from mcsl_core import edl as edls
 from mcsl_core.evaluation.manual_alignment import StripTransform, load_manual
 
@@ -42,6 +42,6 @@ def test_the_script_of_the_docs_prints_what_the_editor_set(built, blender):
     for index, pose in enumerate(edl.poses):
         for camera in edl.cameras:
             if (index, camera.name) != (1, "cam3"):
-                t = camera_transform(edl, camera, pose)
+                t = corrected(edl, camera, pose, planned_transform(edl, camera, pose))
                 own = StripTransform(t.offset_x, t.offset_y, t.scale, t.rotation).matrix(camera.size, edl.size)
                 np.testing.assert_allclose(by_hand[index][camera.name], own, atol=1e-3)

@@ -16,7 +16,7 @@ from mcsl_core.progress import Silent
 
 HERE = str(Path(__file__).parents[2])  # of panel_recorder.py
 ON = f"""
-    import warnings
+    import time, warnings
     warnings.simplefilter("error")
     sys.path.extend({[*search_paths(), HERE]!r})
     import blender_addon, panel_recorder as recorder
@@ -25,6 +25,12 @@ ON = f"""
     state = bpy.context.window_manager.mcsl_state
     def texts(*names):
         return [text for _, text, _ in recorder.draw(names or None)]
+    def wait(seconds):
+        run, until = job_runner.desk.running, time.monotonic() + seconds
+        while job_runner.pump():
+            assert time.monotonic() < until
+            time.sleep(0.02)
+        return run.job.status
     def go(frame):
         scene.frame_set(frame + 1)
 """
@@ -81,7 +87,7 @@ def test_conforming_puts_the_exact_pictures_in_place_and_a_decision_takes_them_a
     refresh.refresh_timeline(scene)
     before = state.outstanding_s
     bpy.ops.mcsl.conform()
-    status = job_runner.wait(120)
+    status = wait(120)
     out = [[round(before, 2), status.outcome, job_runner.desk.message], there(), state.outstanding_s]
     go(25)
     bpy.ops.mcsl.switch_camera(camera="cam3")
@@ -172,7 +178,7 @@ def test_a_fault_is_one_line_and_the_timeline_stays(built, blender, fault):
         if kill: os.kill(job.pid, signal.SIGKILL)
         assert "Conform" not in texts("MCSL_PT_conform")[2:], "a bar and Cancel in place of the button"
         if stop: bpy.ops.mcsl.cancel()
-        job_runner.wait(120)
+        wait(120)
         said = job_runner.desk.message
     except RuntimeError as error:
         said = str(error)
@@ -290,13 +296,13 @@ def test_from_camera_files_to_a_timeline_and_again(simulated, built, blender):
     work.edl = {str(built.parent / "new.json")!r}
     out.append(work.plugin("filler"))
     bpy.ops.mcsl.analyse()
-    out.append(job_runner.wait(120).outcome)
+    out.append(wait(120).outcome)
     out.append([job_runner.desk.message, len(state.shots), texts("MCSL_PT_recording")])
     scene.frame_set(51)
     camera = next(c.name for c in work.cameras if c.name != state.shots[0].camera)
     bpy.ops.mcsl.switch_camera(camera=camera)
     bpy.ops.mcsl.analyse()
-    out.append(job_runner.wait(120).outcome)
+    out.append(wait(120).outcome)
     out.append([[s.start, s.overridden] for s in state.shots])
     """
     )
