@@ -1,10 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""StripPlan -> the sequencer, and the sequencer -> SequencerState: the only user of Blender's strip API.
-
-Programme frame n is Blender's frame n + 1. Every strip made here carries the property `mcsl` with its role (camera,
-programme, centering, conformed, sound); what has none belongs to the editor and is never touched, only moved up when
-it lies where our channels are. What differs between Blender 4.5, 5.0 and 5.2 stands in the first section.
-"""
+"""StripPlan -> the sequencer: an empty scene is filled, or what follows from decisions is made anew."""
 
 from __future__ import annotations
 
@@ -17,7 +12,7 @@ from mcsl_core.errors import BlenderError, InputError
 from ..core.strip_plan import AUDIO_CHANNEL, FIRST_CAMERA_CHANNEL, CameraTrack, StripPlan, automatic_to_text, tracks_key
 from .centering_keys import set_centering_keys
 from .compat import ends, new_effect
-from .edit import OVERRIDDEN_COLOUR, set_transform, split_strip, transform_numbers
+from .edit import OVERRIDDEN_COLOUR, split_strip
 from .scene_properties import (
     AUTOMATIC_CAMERA,
     CAMERA,
@@ -28,12 +23,10 @@ from .scene_properties import (
     TRACKS_HASH,
     role_of,
 )
+from .transforms import set_transform, transform_numbers
 
 REBUILT = ("programme", "centering", "conformed", "sound")  # from the EDL anew; camera strips stay as they are
 HIGHEST_CHANNEL = 128  # Blender has no more
-
-
-# -------------------------------------------------------------------------------------------------------- building
 
 
 def build_timeline(scene: Any, plan: StripPlan, base: Path) -> list[str]:

@@ -7,8 +7,6 @@ from typing import Any
 
 import bpy  # pyright: ignore[reportMissingImports]
 
-# --------------------------------------------------------------------------------------------- version differences
-
 
 def new_effect(scene: Any, name: str, kind: str, channel: int, start: int, stop: int) -> Any:
     """An effect strip over programme frames [start, stop). 4.5 takes an end, 5.0 a length."""

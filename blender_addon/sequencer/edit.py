@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Strips cut, switched, labelled and set back, as decided in the plain modules."""
+"""Strips cut, switched and labelled, as decided in `core`."""
 
 from __future__ import annotations
 
@@ -12,30 +12,9 @@ from mcsl_core.errors import BlenderError
 from ..core.multicam import Switch
 from ..core.read_overrides import AUTOMATIC
 from ..core.revert import Setting
-from ..core.similarity import Transform
-from .scene_properties import CENTRE, GIVEN_NAME, LOOK_FOR_ALL, LOOK_OF_SHOT, PLANNED_TRANSFORM, role_of
+from .scene_properties import CENTRE, GIVEN_NAME, LOOK_FOR_ALL, LOOK_OF_SHOT
 
 OVERRIDDEN_COLOUR = "COLOR_03"  # yellow: an editor's decision
-
-
-def set_transform(strip: Any, transform: Transform) -> None:
-    to = strip.transform
-    # rounded far below a pixel, so that no field shows -0
-    to.offset_x, to.offset_y, to.scale_x, to.scale_y, to.rotation = (
-        round(n, 9) + 0.0 for n in transform_numbers(transform)
-    )
-
-
-def transform_numbers(transform: Transform) -> list[float]:
-    """As the property PLANNED_TRANSFORM holds it: offset_x, offset_y, scale_x, scale_y, rotation."""
-    t = transform
-    return [t.offset_x, t.offset_y, t.scale, t.height_scale, t.rotation]
-
-
-def transform_from_numbers(numbers: Sequence[float]) -> Transform:
-    """The inverse of `transform_numbers`."""
-    x, y, scale, scale_y, rotation = map(float, numbers)
-    return Transform(x, y, scale, rotation, None if scale == scale_y else scale_y)
 
 
 def split_strip(strip: Any, frame: int) -> Any:
@@ -52,9 +31,6 @@ def split_at(strip: Any, frames: Sequence[int]) -> list[Any]:
     for frame in frames:
         parts.append(split_strip(parts[-1], frame))
     return parts
-
-
-# --------------------------------------------------------------------------------------------------------- by hand
 
 
 def apply_switch(scene: Any, change: Switch) -> None:
@@ -113,13 +89,3 @@ def label_strips(scene: Any, overridden: frozenset[str], cameras: Mapping[str, s
             number = given.partition(":")[0]
             if (now := f"{number}: {cameras[name]}") != given:
                 strip.name = strip[GIVEN_NAME] = now
-
-
-def can_be_reset(strip: Any) -> bool:
-    """Whether it is a camera strip that knows its automatic place."""
-    return role_of(strip) == "camera" and strip.get(PLANNED_TRANSFORM) is not None
-
-
-def reset_transform(strip: Any) -> None:
-    """Back to where the analysis placed the camera: pulling then takes the correction away."""
-    set_transform(strip, transform_from_numbers(strip[PLANNED_TRANSFORM]))

@@ -12,7 +12,6 @@ from ..core.read_overrides import AUTOMATIC, FoundStrip, SequencerState
 from ..core.strip_plan import automatic_from_text
 from .centering_keys import centering_keys_hash
 from .compat import ends
-from .edit import transform_from_numbers
 from .scene_properties import (
     AUTOMATIC_CAMERA,
     CAMERA,
@@ -23,8 +22,7 @@ from .scene_properties import (
     PLANNED_TRANSFORM,
     role_of,
 )
-
-# --------------------------------------------------------------------------------------------------------- reading
+from .transforms import transform_from_numbers
 
 
 def read_timeline(scene: Any) -> SequencerState:

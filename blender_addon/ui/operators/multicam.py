@@ -16,8 +16,9 @@ from mcsl_core.errors import InputError, McslError
 from ...core import multicam
 from ...sequencer import scene_properties
 from ...sequencer.compat import sequencer_scene
-from ...sequencer.edit import apply_switch, can_be_reset, reset_transform
+from ...sequencer.edit import apply_switch
 from ...sequencer.read import read_timeline
+from ...sequencer.transforms import can_be_reset, reset_transform
 from .. import refresh
 
 KEYS = ("ONE", "TWO", "THREE", "FOUR", "FIVE", "SIX", "SEVEN", "EIGHT", "NINE")
