@@ -52,7 +52,19 @@ def _natural(text: str) -> list[tuple[int, int, str]]:
 def analyse_command(
     mcsl: str, files: Sequence[str], edl: str, *, reference: str = "", stages: Mapping[str, str] | None = None
 ) -> list[str]:
-    """`mcsl analyse` for a job. stages: option -> plugin's name; '' leaves the default."""
+    """The words of `mcsl analyse` for a job.
+
+    Parameters
+    ----------
+    mcsl
+        The program.
+    files, edl
+        The cameras' files, and the EDL to write.
+    reference
+        The reference camera's name; '' leaves it to mcsl.
+    stages
+        Option -> plugin's name; '' leaves the default.
+    """
     command = [mcsl, "--progress", "json", "analyse", "-o", edl]
     if reference:
         command += ["--reference", reference]

@@ -27,10 +27,17 @@ UNNOTICED_PX = 0.05  # of the picture's corners: fifty times Blender's float32 r
 
 @frozen
 class FoundCamera:
-    """A camera's strip as found, on programme frames [start, stop); the camera is its mcsl_camera property.
+    """A camera strip as found.
 
-    transform: as it stands; planned: where the picture lies without any correction, kept in the strip when it was
-    built. Without the two the strip says nothing about alignment.
+    Attributes
+    ----------
+    start, stop
+        The programme frames [start, stop) that it covers.
+    transform
+        As it stands.
+    planned
+        Its transform without any correction, kept in the strip when it was built. Without the two the strip says
+        nothing about alignment.
     """
 
     camera: str
@@ -45,8 +52,12 @@ class FoundCamera:
 def read_corrections(edl: Edl, found: Iterable[FoundCamera]) -> tuple[Correction, ...]:
     """The EDL's corrections after the editor's work: the same where no strip was touched.
 
-    A strip set back to its automatic place takes the correction away. InputError where two strips of a camera stand
-    differently in one pose, or one is scaled to nothing.
+    A strip set back to its automatic place takes the correction away.
+
+    Raises
+    ------
+    InputError
+        Two strips of a camera stand differently in one pose, or one is mirrored or scaled to nothing.
     """
     strips = [s for s in found if s.transform is not None and s.planned is not None]
     corrections = edl.corrections

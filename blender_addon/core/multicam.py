@@ -36,9 +36,28 @@ def deciding(strips: Iterable[FoundStrip], frame: int) -> FoundStrip | None:
 
 
 def switch(state: SequencerState, frame: int, camera: str, *, whole: bool = False) -> Switch | None:
-    """What to do for ``camera`` to be shown from ``frame`` to the end of the shot there, or in ``whole`` of it.
+    """What to do for a camera to be shown from a frame on.
 
-    None where it is shown already. InputError where there is no shot, or the camera has no strip to be shown from.
+    Parameters
+    ----------
+    state
+        The sequencer as it is.
+    frame
+        The playhead, in programme frames.
+    camera
+        The camera to show, from ``frame`` to the end of the shot there.
+    whole
+        From the beginning of the shot instead.
+
+    Returns
+    -------
+    Switch or None
+        None where the camera is shown already.
+
+    Raises
+    ------
+    InputError
+        There is no shot at ``frame``, or the camera has no strip that the shot can show.
     """
     strip = deciding(state.strips, frame)
     if strip is None:

@@ -34,10 +34,18 @@ AUTOMATIC = "automatic"  # said of a centre: no longer by hand
 
 @frozen
 class FoundStrip:
-    """A Multicam strip as found: frames [start, stop) on the programme's count, which may reach outside it.
+    """A Multicam strip as found.
 
-    source: the channel it shows. centering, fill, colour: the editor's switch on this strip; offset: the centre by
-    hand, [dx, dy] in programme pixels, or AUTOMATIC. None says nothing.
+    Attributes
+    ----------
+    start, stop
+        The programme frames [start, stop) that it covers; they may reach outside the programme.
+    source
+        The channel it shows.
+    centering, fill, colour
+        The editor's switch on this strip; None says nothing.
+    offset
+        The centre by hand, (dx, dy) in programme pixels, y down; AUTOMATIC takes one back, None says nothing.
     """
 
     name: str
@@ -54,26 +62,47 @@ class FoundStrip:
 
 @frozen
 class SequencerState:
-    """All that decides, and the automatic choice the timeline was built from (None: unknown, take the EDL's)."""
+    """All in the sequencer that decides.
+
+    Attributes
+    ----------
+    strips, cameras
+        Multicam strips on every channel, and camera strips.
+    automatic
+        The automatic choice that the timeline was built from; None where it is not known: then the EDL's holds.
+    look
+        What was switched for the whole programme: centering, fill or colour, and to what.
+    notes
+        What was seen and is not read, for a person.
+    """
 
     strips: tuple[FoundStrip, ...]
     cameras: tuple[FoundCamera, ...]
     automatic: tuple[tuple[FrameRange, str], ...] | None = None
-    look: tuple[tuple[str, bool], ...] = ()  # the aids that were switched for the whole programme
-    notes: tuple[str, ...] = ()  # what was seen and is not read, for a person
+    look: tuple[tuple[str, bool], ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 def read_edl(edl: Edl, state: SequencerState) -> Edl:
     """``edl`` with the editor's decisions as the sequencer shows them; equal to it where nothing was decided anew.
 
-    InputError names the strip and frame that cannot be read.
+    Raises
+    ------
+    InputError
+        A strip cannot be read; the error names it and the frame.
     """
     edl = attrs.evolve(edl, look=attrs.evolve(edl.look, **dict(state.look)))
     return attrs.evolve(edl, overrides=read_overrides(edl, state), corrections=read_corrections(edl, state.cameras))
 
 
 def read_overrides(edl: Edl, state: SequencerState) -> tuple[Override, ...]:
-    """The EDL's overrides after the editor's work. InputError names the strip and frame that cannot be read."""
+    """The EDL's overrides after the editor's work, in the order in which they hold.
+
+    Raises
+    ------
+    InputError
+        A strip cannot be read, or the timeline was built for a programme of another length.
+    """
     automatic = state.automatic if state.automatic is not None else automatic_cameras(edl)
     if automatic[-1][0].stop != edl.frames:
         raise InputError(

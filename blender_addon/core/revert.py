@@ -14,10 +14,17 @@ from .strip_plan import automatic_cameras
 
 @frozen
 class Setting:
-    """The part ``range`` of a strip shows channel ``source``; None leaves the part as it is.
+    """What a part of a strip is to show.
 
-    said: the fields that the EDL's own overrides give there. Against those the strip has to speak; of all others it
-    need only be silent.
+    Attributes
+    ----------
+    range
+        The part, in programme frames.
+    source
+        The channel to show; None leaves the part as it is.
+    said
+        The fields that the EDL's own overrides give there. Against those the strip has to speak; of all others it
+        need only be silent.
     """
 
     range: FrameRange
@@ -26,9 +33,22 @@ class Setting:
 
 
 def revert(edl: Edl, state: SequencerState, piece: FrameRange) -> dict[str, tuple[Setting, ...]]:
-    """The strips that decide in ``piece`` and what their parts are to show: by name, parts in order, tiling the strip.
+    """What is to be set for the automatic choice to hold again.
 
-    A camera without a strip leaves its part as it is: nothing could be shown there.
+    Parameters
+    ----------
+    edl
+        The EDL as it lies on disk, its overrides still in it.
+    state
+        The sequencer as it is.
+    piece
+        The programme frames to revert.
+
+    Returns
+    -------
+    dict of str to tuple of Setting
+        By the names of the strips that decide in ``piece``: their parts in order, tiling the strip. Where the
+        automatic camera has no strip the part stays as it is: nothing could be shown there.
     """
     automatic = state.automatic or automatic_cameras(edl)
     channel = {camera.camera: camera.channel for camera in state.cameras}

@@ -15,9 +15,16 @@ from mcsl_core.timing import FrameRange
 
 @frozen
 class ShotRow:
-    """A stretch of the programme from one camera. score, why: the analysis' word on its own choice there.
+    """A stretch of the programme from one camera.
 
-    overridden: an editor's decision holds somewhere in it. automatic: what the analysis chose at its beginning.
+    Attributes
+    ----------
+    automatic
+        The camera that the analysis chose at its beginning.
+    score, why
+        The analysis' word on its own choice there; the score lies in 0..1.
+    overridden
+        Whether an editor's decision holds somewhere in it.
     """
 
     range: FrameRange

@@ -23,9 +23,18 @@ SPREAD = 0.3  # weight falls to exp(-1/2) at this part of the picture's width fr
 
 @frozen
 class Transform:
-    """A strip's transform: offsets in render pixels (y up), scale, rotation in radians, counter-clockwise.
+    """A strip's transform as Blender has it.
 
-    scale_y: of the height where it is not ``scale``, which only an editor's hand makes.
+    Attributes
+    ----------
+    offset_x, offset_y
+        Of the picture's middle from the render's, in render pixels, y up.
+    scale
+        Render pixels a camera pixel.
+    rotation
+        Radians, counter-clockwise.
+    scale_y
+        Scale of the height where it is another, which only an editor's hand makes.
     """
 
     offset_x: float
@@ -40,7 +49,18 @@ class Transform:
 
 
 def matrix_of(transform: Transform, camera_size: tuple[int, int], programme_size: tuple[int, int]) -> Matrix:
-    """Camera pixel -> programme pixel as Blender shows the strip: scaled about its middle, turned, moved. Affine."""
+    """What Blender shows of a strip: its picture scaled about its middle, turned, moved.
+
+    Parameters
+    ----------
+    camera_size, programme_size
+        Width and height in pixels.
+
+    Returns
+    -------
+    Matrix
+        Camera pixel -> programme pixel, affine.
+    """
     c, s = cos(transform.rotation), sin(transform.rotation)
     (a, b), (d, e) = (
         (c * transform.scale, s * transform.height_scale),  # clockwise: y points down here
@@ -53,7 +73,13 @@ def matrix_of(transform: Transform, camera_size: tuple[int, int], programme_size
 
 
 def transform_of(matrix: Matrix, camera_size: tuple[int, int], programme_size: tuple[int, int]) -> Transform | None:
-    """The transform that shows just ``matrix``; None where none does (it shears, mirrors or has perspective)."""
+    """The transform that shows just ``matrix`` (camera pixel -> programme pixel): the inverse of `matrix_of`.
+
+    Returns
+    -------
+    Transform or None
+        None where no transform does: the matrix shears, mirrors or has perspective.
+    """
     (a, b, _), (d, e, _), (g, h, _) = matrix
     scale, scale_y = hypot(a, d), hypot(b, e)
     if abs(g) + abs(h) > 0 or abs(a * b + d * e) > SHEAR * scale * scale_y or a * e - b * d <= 0:
@@ -70,7 +96,13 @@ def transform_of(matrix: Matrix, camera_size: tuple[int, int], programme_size: t
 
 
 def invert(m: Matrix) -> Matrix:
-    """The inverse, by cofactors; ZeroDivisionError when singular (the EDL refuses such matrices)."""
+    """The inverse, by cofactors.
+
+    Raises
+    ------
+    ZeroDivisionError
+        The matrix is singular; the EDL refuses such ones.
+    """
     (a, b, c), (d, e, f), (g, h, i) = m
     det = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
     return (
@@ -98,11 +130,19 @@ def fitted(camera_size: tuple[int, int], programme_size: tuple[int, int]) -> Tra
 def closest(
     homography: Matrix, camera_size: tuple[int, int], programme_size: tuple[int, int], field_px: complex
 ) -> Transform:
-    """The similarity nearest to ``homography`` (camera pixel -> programme pixel) by weighted least squares.
+    """The similarity nearest to a homography, by weighted least squares over a grid of programme points.
 
-    field_px: the surgical field's middle in programme pixels (x + iy); points near it weigh more, because there is
-    where a cut is judged. Points outside the camera's picture do not count; where hardly any is left inside (a
-    camera that sees past the programme), all of the programme counts.
+    Points near the surgical field weigh more, because there is where a cut is judged. Points outside the camera's
+    picture do not count; where hardly any is left inside (a camera that sees past the programme), all count.
+
+    Parameters
+    ----------
+    homography
+        Camera pixel -> programme pixel.
+    camera_size, programme_size
+        Width and height in pixels.
+    field_px
+        The surgical field's middle in programme pixels, x + iy.
     """
     width, height = programme_size
     inverse = invert(homography)

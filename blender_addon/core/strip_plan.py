@@ -122,8 +122,16 @@ class StripPlan:
 
 
 def make_plan(edl: Edl, conformed: Iterable[ConformedPiece] = (), sound: Path | None = None) -> StripPlan:
-    """The timeline of ``edl``. conformed: exact pictures to put in place; sound: the conformed sound from frame 0,
-    or None for the reference camera's own files.
+    """The timeline of an EDL.
+
+    Parameters
+    ----------
+    edl
+        The decisions, overrides included.
+    conformed
+        Exact pictures to put in place, in any order.
+    sound
+        The conformed sound, from frame 0; None takes the reference camera's own files.
     """
     order = [c for c in edl.cameras if c.name != edl.reference] + [edl.camera(edl.reference)]
     channels = {camera.name: FIRST_CAMERA_CHANNEL + index for index, camera in enumerate(order)}
@@ -162,12 +170,18 @@ def automatic_cameras(edl: Edl) -> tuple[tuple[FrameRange, str], ...]:
 
 
 def automatic_to_text(automatic: Sequence[tuple[FrameRange, str]]) -> str:
-    """For the scene: [[stop, camera], ...], because the pieces tile from 0."""
+    """The automatic choice as the scene keeps it: [[stop, camera], ...], because the pieces tile from 0."""
     return json.dumps([[piece.stop, camera] for piece, camera in automatic], ensure_ascii=False)
 
 
 def automatic_from_text(text: str) -> tuple[tuple[FrameRange, str], ...]:
-    """The inverse of `automatic_to_text`; ValueError or TypeError when the text is not of its making."""
+    """The inverse of `automatic_to_text`.
+
+    Raises
+    ------
+    ValueError, TypeError
+        The text is not of its making.
+    """
     pieces, start = [], 0
     for stop, camera in json.loads(text):
         pieces.append((FrameRange(start, stop), str(camera)))
@@ -176,7 +190,10 @@ def automatic_from_text(text: str) -> tuple[tuple[FrameRange, str], ...]:
 
 
 def tracks_key(tracks: Sequence[CameraTrack]) -> str:
-    """A hash of what the camera strips are made from, corrections apart: they are in the strips already."""
+    """A hash of what the camera strips are made from: files, ranges and planned transforms.
+
+    Corrections play no part, since they are in the strips already.
+    """
     value = [
         [
             t.camera,
@@ -189,10 +206,16 @@ def tracks_key(tracks: Sequence[CameraTrack]) -> str:
 
 
 def first_frame(time_s: float, rate: Fraction) -> int:
-    """The first programme frame that begins at or after ``time_s``: there a picture of that time is first shown.
+    """The first programme frame that begins at or after a time: there a picture of that time is first shown.
 
-    A millionth of a frame forgives the float: an offset of exactly 3 frames must not become 4.
+    Parameters
+    ----------
+    time_s
+        Programme time in seconds.
+    rate
+        Programme frames a second.
     """
+    # A millionth of a frame forgives the float: an offset of exactly 3 frames must not become 4.
     return ceil(time_s * float(rate) - 1e-6)
 
 
@@ -227,7 +250,10 @@ def _without(start: int, stop: int, gaps: Iterable[FrameRange]) -> list[tuple[in
 
 
 def planned_transform(edl: Edl, camera: Camera, pose: Pose) -> Transform:
-    """The similarity nearest to the camera's way into the programme as analysed; a weak camera stands whole."""
+    """The similarity nearest to the homography that takes a camera into the programme, without any correction.
+
+    A weak camera, which has none, is shown upright and whole.
+    """
     matrix = placement_matrix(attrs.evolve(edl, corrections=()), pose, camera.name)
     if matrix is None:
         return fitted(camera.size, edl.size)
@@ -235,10 +261,8 @@ def planned_transform(edl: Edl, camera: Camera, pose: Pose) -> Transform:
 
 
 def corrected(edl: Edl, camera: Camera, pose: Pose, planned: Transform) -> Transform:
-    """``planned`` moved by the correction that holds for the camera in ``pose``.
-
-    Not the similarity nearest to the corrected homography: the preview must move by just what the editor moved it.
-    """
+    """``planned`` moved by the correction that holds for the camera in ``pose``, if there is one."""
+    # Not the similarity nearest to the corrected homography: the preview must move by just what the editor moved it.
     correction = correction_of(edl, pose, camera.name)
     if correction is None:
         return planned
@@ -248,9 +272,13 @@ def corrected(edl: Edl, camera: Camera, pose: Pose, planned: Transform) -> Trans
 
 
 def base_matrix(edl: Edl, camera: Camera, pose: Pose, planned: Transform) -> Matrix:
-    """Camera pixel -> programme pixel of the preview, to which a correction is applied.
+    """The matrix to which a correction is applied in the preview.
 
-    For a weak camera it is not what ``planned`` shows but what `placement_matrix` starts from: edge on edge.
+    Returns
+    -------
+    Matrix
+        Camera pixel -> programme pixel, affine. For a weak camera it is not what ``planned`` shows but what
+        `placement_matrix` starts from: edge on edge.
     """
     if camera.name not in pose.homographies:
         return fit_matrix(camera.size, edl.size)

@@ -34,9 +34,20 @@ class Found:
 
 
 def find(preferred: str = "", environ: Mapping[str, str] = os.environ, home: Path | None = None) -> Found:
-    """The `mcsl` to run. InputError, with the command that installs one, where there is none.
+    """The `mcsl` to run.
 
-    What the preferences or MCSL name must be there: another is not taken silently in its place.
+    Parameters
+    ----------
+    preferred
+        What the preferences name, or ''. What they or MCSL name must be there: another is not taken silently in its
+        place.
+    environ, home
+        Stand for the environment and the user's folder.
+
+    Raises
+    ------
+    InputError
+        There is none; the error says by which command one is installed.
     """
     home = home or Path.home()
     for named, why in ((preferred.strip(), "the preferences"), (environ.get("MCSL", "").strip(), "MCSL")):
@@ -83,7 +94,13 @@ def _runs(path: Path) -> bool:
 
 
 def version_of(path: Path, timeout_s: float = 60.0) -> str:
-    """What the program calls its version, such as 0.1.0. InputError where it does not run or is something else."""
+    """What the program calls its version, such as 0.1.0.
+
+    Raises
+    ------
+    InputError
+        It does not run, or is something else.
+    """
     try:
         done = subprocess.run(
             [str(path), "--version"],

@@ -33,7 +33,21 @@ Outcome = Literal["running", "done", "stopped", "failed"]
 
 @frozen
 class Status:
-    """Where a job stands. total: None when unknown. message: one line for a person, once it has ended badly."""
+    """Where a job stands.
+
+    Attributes
+    ----------
+    stage, done, total, unit
+        Its current stage: so many units of ``total`` are done; None when that is not known.
+    notes
+        What a person should know, in the order told.
+    outcome
+        ``running`` until the process is gone.
+    message
+        One line for a person, once it has ended badly.
+    result
+        What the command made.
+    """
 
     stage: str = ""
     done: int = 0
@@ -54,7 +68,20 @@ class Job:
     """One child process, from its start to its end."""
 
     def __init__(self, command: Sequence[str], *, cwd: Path | None = None) -> None:
-        """Starts ``command``. McslError when it cannot be started."""
+        """Starts the job.
+
+        Parameters
+        ----------
+        command
+            The program and its arguments.
+        cwd
+            The folder to start it in.
+
+        Raises
+        ------
+        McslError
+            It cannot be started.
+        """
         self.status = Status()
         self._folder = tempfile.TemporaryDirectory(prefix="mcsl-job-", ignore_cleanup_errors=True)
         base = Path(self._folder.name)

@@ -54,7 +54,19 @@ PACKAGES = {
 
 @frozen
 class Blender:
-    """A Blender that can be run. kind: a binary, or a Python with bpy. command: the words that start it."""
+    """A Blender that can be run.
+
+    Attributes
+    ----------
+    kind
+        A binary, or a Python with Blender as the module bpy.
+    command
+        The words that start it.
+    version
+        Such as 5.0.1.
+    why
+        Which rule found it.
+    """
 
     kind: Literal["binary", "module"]
     command: tuple[str, ...]
@@ -79,10 +91,21 @@ def private_python(version: str | None = None) -> Path:
 
 
 def find(explicit: str | None = None) -> Blender:
-    """The Blender to use: ``explicit``, MCSL_BLENDER, `blender` on PATH, bpy in this Python, the private environment.
+    """The Blender to use.
 
-    The first two may name a Blender binary or a Python that has bpy. What is named there and unfit is an error; an
-    unfit Blender that was only come across is passed over, and named if nothing else is found. Raises BlenderError.
+    Looked for in this order: ``explicit``, MCSL_BLENDER, `blender` on PATH, bpy in this Python, the private
+    environment. What is named and unfit is an error; an unfit Blender that was only come across is passed over, and
+    named if nothing else is found.
+
+    Parameters
+    ----------
+    explicit
+        A Blender binary, or a Python that has bpy.
+
+    Raises
+    ------
+    BlenderError
+        None was found, or the one that is named is unfit.
     """
     if explicit:
         return _probe(explicit, "given by --blender")
@@ -156,7 +179,17 @@ def _checked(kind: Literal["binary", "module"], command: str, number: str, why: 
 
 @frozen
 class Diagnosis:
-    """Whether a Blender starts. missing: shared objects it lacks. install: the line that brings them, or ''."""
+    """Whether a Blender starts.
+
+    Attributes
+    ----------
+    missing
+        Shared objects that the system lacks.
+    install
+        The line that brings them, or ''.
+    said
+        The last line of what it said instead of starting.
+    """
 
     starts: bool
     missing: tuple[str, ...] = ()
@@ -234,8 +267,19 @@ def _bpy_library(python: tuple[str, ...]) -> str | None:
 def install(progress: Progress | None = None, version: str | None = None) -> Blender:
     """Makes the private environment and returns its Blender. Whole or not at all; one that is there is kept.
 
-    version: such as 4.5. It gets an environment of its own, which is used only where it is named. Raises UsageError
-    for an unknown version, BlenderError when no Python with a wheel is found, pip fails, or the module does not start.
+    Parameters
+    ----------
+    progress
+        Where the work reports to.
+    version
+        Such as 4.5. It gets an environment of its own, which is used only where it is named.
+
+    Raises
+    ------
+    UsageError
+        There is no such version to install.
+    BlenderError
+        No Python with a wheel was found, pip failed, or the module does not start.
     """
     progress = progress or Silent()
     if version is not None and version not in WHEELS:
