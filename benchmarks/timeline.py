@@ -41,10 +41,12 @@ sys.path.extend(request["paths"])
 import bpy
 from pathlib import Path
 from mcsl_core import edl as edls
-from blender_addon import strips
-from blender_addon.plan import make_plan
-from blender_addon.readback import read_edl
-from blender_addon.switching import overridden
+from blender_addon.core.multicam import overridden
+from blender_addon.core.read_overrides import read_edl
+from blender_addon.core.strip_plan import make_plan
+from blender_addon.sequencer.build import build_timeline
+from blender_addon.sequencer.compat import ends, new_effect, use_sequencer_scene
+from blender_addon.sequencer.read import read_timeline
 
 def timed(work):
     wall, cpu = time.perf_counter(), time.process_time()
@@ -54,7 +56,7 @@ def timed(work):
 def fresh():
     bpy.ops.wm.read_homefile(app_template="Video_Editing", use_factory_startup=True)
     scene = bpy.context.scene
-    strips.use_sequencer_scene(scene)
+    use_sequencer_scene(scene)
     return scene
 
 def bare():
@@ -62,10 +64,10 @@ def bare():
     scene.sequence_editor_create()
     def make():
         for n, (start, stop) in enumerate(request["shots"]):
-            strips.new_effect(scene, f"shot {n}", "MULTICAM", 7, start, stop)
+            new_effect(scene, f"shot {n}", "MULTICAM", 7, start, stop)
     _, *make_s = timed(make)
     def look():
-        return [(*strips.ends(s), s.channel, s.multicam_source) for s in scene.sequence_editor.strips]
+        return [(*ends(s), s.channel, s.multicam_source) for s in scene.sequence_editor.strips]
     _, *look_s = timed(look)
     return make_s, look_s
 
@@ -76,8 +78,8 @@ for _ in range(request["rounds"]):
     scene = fresh()
     edl, *load_s = timed(lambda: edls.load(path))
     plan, *plan_s = timed(lambda: make_plan(edl))
-    _, *strips_s = timed(lambda: strips.build(scene, plan, path.parent))
-    state, *found_s = timed(lambda: strips.read(scene))
+    _, *strips_s = timed(lambda: build_timeline(scene, plan, path.parent))
+    state, *found_s = timed(lambda: read_timeline(scene))
     new, *read_s = timed(lambda: read_edl(edl, state))
     assert new == edl, "an untouched timeline must decide nothing"
     _, *colour_s = timed(lambda: overridden(new, state.strips))

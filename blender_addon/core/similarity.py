@@ -4,7 +4,7 @@
 Pixels in are OpenCV's: x right, y down, centres at integers. Blender's strip transform moves the picture's middle
 by (offset_x, offset_y) pixels of the render, x right and y up, turns it counter-clockwise by ``rotation`` radians
 and scales it about its middle; the middle of w pixels is (w - 1) / 2 here and w / 2 there, which is the same spot.
-Checked by rendering against a picture resampled without Blender: tests/blender/test_transform.py.
+Checked by rendering against a picture resampled without Blender: tests/blender/sequencer/test_transform.py.
 """
 
 from __future__ import annotations

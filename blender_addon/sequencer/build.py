@@ -85,8 +85,8 @@ def _settings(scene: Any, plan: StripPlan) -> None:
     scene.frame_start, scene.frame_end, scene.frame_step = 1, plan.frames, 1
     # Standard keeps 47-48 dB against the source, the default AgX 33 dB.
     scene.display_settings.display_device = "sRGB"
-    view = scene.view_settings
-    view.view_transform, view.look, view.exposure, view.gamma = "Standard", "None", 0.0, 1.0
+    colours = scene.view_settings
+    colours.view_transform, colours.look, colours.exposure, colours.gamma = "Standard", "None", 0.0, 1.0
     scene.sequencer_colorspace_settings.name = "sRGB"
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Keeps what follows from decisions in line with them: the list of shots, conformed pictures, the centering preview.
 
-A change marks the timeline; a timer looks at it once it has been quiet for a moment, so that dragging a cut stays
-smooth (2,000 shots take some tenths of a second). Before saving it is looked at in any case, so that a file never says
+A change marks the timeline; a timer refreshes it once it has been quiet for `QUIET_S`, so that dragging a cut stays
+smooth (2,000 shots take some tenths of a second). Before saving it is refreshed in any case, so that a file never says
 one thing and shows another, wherever it is rendered; after loading as well. Without a window the log takes the warning.
 """
 
@@ -32,7 +32,7 @@ from .translations.lookup import told
 QUIET_S = 0.4
 
 _busy = False  # what we change ourselves is no news
-_last: dict[str, Edl] = {}  # scene -> what its timeline said when it was last looked at
+_last: dict[str, Edl] = {}  # scene -> what its timeline said when it was last refreshed
 
 
 def timelines() -> list[Any]:
@@ -46,7 +46,7 @@ def decided(scene: Any) -> Edl:
 
 
 def last(scene: Any) -> Edl:
-    """As `decided`, when the timeline was last looked at: for drawing, which happens many times a second."""
+    """As `decided`, when the timeline was last refreshed: for drawing, which happens many times a second."""
     if scene.name not in _last:
         _last[scene.name] = decided(scene)
     return _last[scene.name]
@@ -146,7 +146,7 @@ def shown_scene() -> Any:
 
 
 def mark() -> None:
-    """The timeline may have changed: look at it when it is quiet."""
+    """The timeline may have changed: refresh it when it is quiet."""
     if bpy.app.timers.is_registered(_quiet):
         bpy.app.timers.unregister(_quiet)
     bpy.app.timers.register(_quiet, first_interval=QUIET_S)

@@ -1,7 +1,7 @@
 """EDL or .blend -> the delivered video: pull, conform, put the exact pictures in place, render.
 
 Two engines make the same programme: Blender renders the timeline with whatever the editor laid above it; `direct`
-writes the programme without Blender and without what is above. tests/blender/test_render.py holds them together.
+writes the programme without Blender and without what is above. tests/blender/worker/test_render.py holds them together.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The extension's texts in Japanese, by their English. No bpy; tests/addon/test_translations.py keeps it complete."""
+"""The extension's texts in Japanese, by their English. No bpy; tests/addon/ui/test_translations.py keeps it so."""
 
 JAPANESE: dict[str, str] = {
     # headings and labels
