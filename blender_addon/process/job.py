@@ -135,7 +135,7 @@ class Job:
         return self.status
 
     def output(self) -> str:
-        """All that it wrote to standard output so far; while it runs, or once when it has ended."""
+        """All that it wrote to standard output, once it has ended."""
         return self._text
 
     def cancel(self) -> None:
