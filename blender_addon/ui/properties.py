@@ -11,6 +11,7 @@ import bpy  # pyright: ignore[reportMissingImports]
 
 from ..core import presets
 from ..core.camera_files import STAGES
+from ..sequencer.compat import sequencer_scene
 from . import job_runner
 from .translations.lookup import shown
 
@@ -125,8 +126,7 @@ class MCSL_Shot(bpy.types.PropertyGroup):
 def _go_there(self, context):
     """A click on a row: the playhead goes to the shot's beginning."""
     if 0 <= self.active_shot < len(self.shots):
-        scene = getattr(context, "sequencer_scene", None) or context.scene
-        scene.frame_set(self.shots[self.active_shot].start + 1)
+        sequencer_scene(context).frame_set(self.shots[self.active_shot].start + 1)
 
 
 class MCSL_State(bpy.types.PropertyGroup):
