@@ -175,7 +175,7 @@ def test_a_fault_is_one_line_and_the_timeline_stays(built, blender, fault):
     try:
         bpy.ops.mcsl.conform()
         job = job_runner.desk.running.job
-        if kill: os.kill(job.pid, signal.SIGKILL)
+        if kill: os.kill(job._child.pid, signal.SIGKILL)
         assert "Conform" not in texts("MCSL_PT_conform")[2:], "a bar and Cancel in place of the button"
         if stop: bpy.ops.mcsl.cancel()
         wait(120)
