@@ -1,0 +1,136 @@
+"""Everything but the making of the environment: `python3 dev.py NAME [ARGS]` makes it and runs the session NAME here.
+
+In that environment, `nox --list` lists the sessions and `nox -s NAME -- ARGS` runs one. None makes an environment of
+its own: what is tested is what requirements.lock pins.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import nox
+from nox.command import CommandFailed
+
+nox.needs_version = ">=2025.2"
+nox.options.default_venv_backend = "none"
+nox.options.sessions = ["lint", "fast"]
+
+ROOT = Path(__file__).parent
+PYTHON = sys.executable
+PROGRAMS = Path(PYTHON).parent
+PATIENT = {"interrupt_timeout": 20, "terminate_timeout": 10}  # seconds that Ctrl-C leaves for ending well
+
+CHECKS = {
+    "ruff check": (PYTHON, "-m", "ruff", "check", "."),
+    "ruff format": (PYTHON, "-m", "ruff", "format", "--check", "--quiet", "."),
+    "pyright": (PYTHON, "-m", "pyright", "--pythonpath", PYTHON),
+    "lint-imports": (str(PROGRAMS / "lint-imports"),),
+    "docs/generate.py": (PYTHON, "docs/generate.py", "--check"),
+}
+
+# What `test` hands to pytest-xdist. A file's tests stay in one process, so that its recordings are simulated once.
+SIDE_BY_SIDE = ("-n", "auto", "--maxprocesses", "4", "--dist", "loadfile")
+# A process each core: threads inside of them would only take turns.
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "OPENCV_FOR_THREADS_NUM"), "1")
+
+
+@nox.session
+def setup(session: nox.Session) -> None:
+    """Brings Blender and its system libraries where they are not there."""
+    session.run(PYTHON, "tools/bring_blender.py", **PATIENT)
+
+
+@nox.session
+def oldest(session: nox.Session) -> None:
+    """Brings the oldest supported Blender, beside the usual one."""
+    session.run(PYTHON, "tools/bring_blender.py", "--oldest", **PATIENT)
+
+
+@nox.session
+def lint(session: nox.Session) -> None:
+    """Runs every check that is no test, and names those that fail."""
+    failed = []
+    for name, command in CHECKS.items():
+        try:
+            session.run(*command)
+        except CommandFailed:
+            failed.append(name)
+    if failed:
+        session.error(f"failed: {', '.join(failed)}")
+
+
+@nox.session(requires=["setup", "oldest"])
+def test(session: nox.Session) -> None:
+    """All checks and all tests (ARGS go to pytest)."""
+    for part in ("lint", "pytest"):  # each runs whatever became of the others, and nox says which failed
+        session.notify(part)
+
+
+@nox.session(requires=["setup", "oldest"])
+def pytest(session: nox.Session) -> None:
+    """All tests, or those that ARGS name."""
+    session.run(PYTHON, "-m", "pytest", *SIDE_BY_SIDE, *which_tests(session.posargs), env=ONE_THREAD, **PATIENT)
+
+
+@nox.session
+def fast(session: nox.Session) -> None:
+    """The quick tests, without Blender."""
+    quick = ("-m", "not slow and not blender")
+    session.run(PYTHON, "-m", "pytest", *SIDE_BY_SIDE, *quick, *which_tests(session.posargs), env=ONE_THREAD, **PATIENT)
+
+
+@nox.session(name="test-addon", requires=["setup", "oldest"])
+def test_addon(session: nox.Session) -> None:
+    """The tests of the Blender extension."""
+    tests = ("tests/addon", "tests/blender", *session.posargs)
+    session.run(PYTHON, "-m", "pytest", *SIDE_BY_SIDE, *tests, env=ONE_THREAD, **PATIENT)
+
+
+@nox.session(requires=["setup"])
+def addon(session: nox.Session) -> None:
+    """Builds the Blender extension (ARGS: where to)."""
+    session.chdir(session.invoked_from)
+    session.run(PYTHON, str(ROOT / "tools" / "extension.py"), *session.posargs)
+
+
+@nox.session(requires=["setup"])
+def demo(session: nox.Session) -> None:
+    """The whole way once, on a simulated recording (ARGS: the folder it goes to)."""
+    session.chdir(session.invoked_from)
+    session.run(str(PROGRAMS / "mcsl"), "demo", *session.posargs, **PATIENT)
+
+
+@nox.session
+def docs(session: nox.Session) -> None:
+    """Writes the pages that are derived from the code."""
+    session.run(PYTHON, "docs/generate.py")
+
+
+@nox.session
+def site(session: nox.Session) -> None:
+    """Builds the documentation site into build/site; a link that leads nowhere is an error."""
+    session.run(PYTHON, "-m", "mkdocs", "build", "--strict", "--site-dir", "build/site")
+
+
+@nox.session
+def examples(session: nox.Session) -> None:
+    """Runs every notebook of examples/ from top to bottom; what they show is not written back."""
+    notebooks = sorted(ROOT.glob("examples/*.ipynb"))
+    if not notebooks:
+        session.error("there is no notebook in examples/")
+    session.run(str(PROGRAMS / "jupyter-execute"), *map(str, notebooks), env=ONE_THREAD, **PATIENT)
+
+
+@nox.session
+def lock(session: nox.Session) -> None:
+    """Pins the newest packages that fit, for every system and Python we support, with the hashes of their files."""
+    session.run(PYTHON, "tools/lock.py")
+
+
+def which_tests(arguments: list[str]) -> list[str]:
+    """``arguments`` for pytest; all tests where they name no file or folder of tests."""
+    if any((ROOT / argument.split("::")[0]).exists() for argument in arguments if not argument.startswith("-")):
+        return arguments
+    return ["tests", *(os.path.relpath(folder, ROOT) for folder in sorted(ROOT.glob("plugins/*/tests"))), *arguments]
