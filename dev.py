@@ -121,7 +121,7 @@ def make_environment() -> None:
     say(f"installing the Python packages into {VENV} (minutes, the first time)")
     projects = [part for file in (ROOT / "pyproject.toml", *plugins) for part in ("-e", str(file.parent))]
     for what in (
-        ["--require-hashes", "--only-binary=:all:", "-r", str(ROOT / "requirements.lock")],
+        ["--require-hashes", "-r", str(ROOT / "requirements.lock")],
         ["--no-deps", "--no-build-isolation", *projects],  # what they need, and what builds them, is there already
     ):
         command = [PYTHON, "-m", "pip", "install", "--disable-pip-version-check", *what]

@@ -26,19 +26,9 @@ def main() -> int:
         f"-e .[{','.join(EXTRAS)}]",
         *(f"-e ./{path.parent.relative_to(ROOT).as_posix()}" for path in projects[1:]),
     ]
-    command = [
-        sys.executable,
-        "-m",
-        "uv",
-        "pip",
-        "compile",
-        "-",
-        "--universal",
-        "--python-version",
-        "3.11",
-        "--upgrade",
-    ]
-    command += ["--generate-hashes", "--no-header", "--no-annotate", "--no-emit-index-url", "--quiet"]
+    command = [sys.executable, "-m", "uv", "pip", "compile", "-", "--universal", "--python-version", "3.11"]
+    command += ["--fork-strategy", "fewest"]  # one version for all Pythons: what CI tests is what everybody has
+    command += ["--upgrade", "--generate-hashes", "--no-header", "--no-annotate", "--no-emit-index-url", "--quiet"]
     for path in projects:
         command += ["--no-emit-package", tomllib.loads(path.read_text("utf-8"))["project"]["name"]]
     done = subprocess.run(command, input="\n".join(wanted), cwd=ROOT, stdout=subprocess.PIPE, text=True)
