@@ -13,9 +13,10 @@
     python3 dev.py lock             pins the newest packages that fit
     python3 dev.py setup            only sets up: the environment and Blender
     python3 dev.py mcsl ARGS        the command line itself
+    python3 dev.py run PROGRAM ARGS    any program of the environment
 
 The environment is .venv (another folder: MCSL_VENV), made from requirements.lock, and again when that or a pyproject
-changes. All but mcsl are sessions of nox there (noxfile.py). Standard library only.
+changes. All but the last two are sessions of nox there (noxfile.py). Standard library only.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent
 OLDEST = (3, 11)
 NAMES = ("python3.11", "python3.12", "python3.13", "python3.14")
-TAKE_ARGUMENTS = ("demo", "test", "fast", "addon", "test-addon", "mcsl")
+TAKE_ARGUMENTS = ("demo", "test", "fast", "addon", "test-addon", "mcsl", "run")
 COMMANDS = (*TAKE_ARGUMENTS, "lint", "docs", "site", "examples", "lock", "setup")
 
 VENV = Path(os.environ.get("MCSL_VENV") or ROOT / ".venv").absolute()
@@ -132,7 +133,10 @@ def make_environment() -> None:
 def hand_on(command: list[str]) -> int:
     """Runs a program of the environment where the user stands. Ctrl-C goes to it as well: it ends when it has ended."""
     path = str(PROGRAMS) + os.pathsep + os.environ.get("PATH", "")
-    child = subprocess.Popen(command, env={**os.environ, **ALONE, "VIRTUAL_ENV": str(VENV), "PATH": path})
+    try:
+        child = subprocess.Popen(command, env={**os.environ, **ALONE, "VIRTUAL_ENV": str(VENV), "PATH": path})
+    except OSError:
+        raise Failure(f"{command[0]} is not there, or does not run") from None
     stopped = False
     while True:
         try:
@@ -154,8 +158,9 @@ def main(arguments: list[str]) -> int:
         make_environment()
         if command == "mcsl":
             return hand_on([str(PROGRAMS / "mcsl"), *rest])
-        session = ["-f", str(ROOT / "noxfile.py"), "-s", command, "--", *rest]
-        return hand_on([PYTHON, "-m", "nox", *session])
+        if command == "run":
+            return hand_on([str(PROGRAMS / "".join(rest[:1])), *rest[1:]])
+        return hand_on([PYTHON, "-m", "nox", "-f", str(ROOT / "noxfile.py"), "-s", command, "--", *rest])
     except Failure as failure:
         print(f"dev.py: {failure}", file=sys.stderr, flush=True)
         return 1
