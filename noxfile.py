@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import nox
@@ -50,42 +51,51 @@ def oldest(session: nox.Session) -> None:
 
 @nox.session
 def lint(session: nox.Session) -> None:
-    """Runs every check that is no test, and names those that fail."""
-    failed = []
-    for name, command in CHECKS.items():
-        try:
-            session.run(*command)
-        except CommandFailed:
-            failed.append(name)
-    if failed:
-        session.error(f"failed: {', '.join(failed)}")
+    """The checks that run no test."""
+    run_each(session, CHECKS)
 
 
 @nox.session(requires=["setup", "oldest"])
 def test(session: nox.Session) -> None:
     """All checks and all tests (ARGS go to pytest)."""
-    for part in ("lint", "pytest"):  # each runs whatever became of the others, and nox says which failed
-        session.notify(part)
-
-
-@nox.session(requires=["setup", "oldest"])
-def pytest(session: nox.Session) -> None:
-    """All tests, or those that ARGS name."""
-    session.run(PYTHON, "-m", "pytest", *SIDE_BY_SIDE, *which_tests(session.posargs), env=ONE_THREAD, **PATIENT)
+    run_each(session, {**CHECKS, "pytest": pytest(*which_tests(session.posargs))})
 
 
 @nox.session
 def fast(session: nox.Session) -> None:
     """The quick tests, without Blender."""
-    quick = ("-m", "not slow and not blender")
-    session.run(PYTHON, "-m", "pytest", *SIDE_BY_SIDE, *quick, *which_tests(session.posargs), env=ONE_THREAD, **PATIENT)
+    run_each(session, {"pytest": pytest("-m", "not slow and not blender", *which_tests(session.posargs))})
 
 
 @nox.session(name="test-addon", requires=["setup", "oldest"])
 def test_addon(session: nox.Session) -> None:
     """The tests of the Blender extension."""
-    tests = ("tests/addon", "tests/blender", *session.posargs)
-    session.run(PYTHON, "-m", "pytest", *SIDE_BY_SIDE, *tests, env=ONE_THREAD, **PATIENT)
+    run_each(session, {"pytest": pytest("tests/addon", "tests/blender", *session.posargs)})
+
+
+def run_each(session: nox.Session, commands: Mapping[str, Sequence[str]]) -> None:
+    """Runs every command, whatever became of those before; those that failed are named at the end."""
+    failed = []
+    for name, command in commands.items():
+        try:
+            session.run(*command, env=ONE_THREAD, **PATIENT)
+        except CommandFailed:
+            failed.append(name)
+    if failed:
+        session.warn(f"failed: {', '.join(failed)}")
+        raise CommandFailed(f"failed: {', '.join(failed)}")
+
+
+def pytest(*arguments: str) -> Sequence[str]:
+    side_by_side = () if any(argument.startswith(("-n", "--dist")) for argument in arguments) else SIDE_BY_SIDE
+    return (PYTHON, "-m", "pytest", *side_by_side, *arguments)
+
+
+def which_tests(arguments: list[str]) -> list[str]:
+    """``arguments`` for pytest; all tests where they name no file or folder of tests."""
+    if any((ROOT / argument.split("::")[0]).exists() for argument in arguments if not argument.startswith("-")):
+        return arguments
+    return ["tests", *(os.path.relpath(folder, ROOT) for folder in sorted(ROOT.glob("plugins/*/tests"))), *arguments]
 
 
 @nox.session(requires=["setup"])
@@ -120,17 +130,10 @@ def examples(session: nox.Session) -> None:
     notebooks = sorted(ROOT.glob("examples/*.ipynb"))
     if not notebooks:
         session.error("there is no notebook in examples/")
-    session.run(str(PROGRAMS / "jupyter-execute"), *map(str, notebooks), env=ONE_THREAD, **PATIENT)
+    run_each(session, {"examples": (str(PROGRAMS / "jupyter-execute"), *map(str, notebooks))})
 
 
 @nox.session
 def lock(session: nox.Session) -> None:
     """Pins the newest packages that fit, for every system and Python we support, with the hashes of their files."""
     session.run(PYTHON, "tools/lock.py")
-
-
-def which_tests(arguments: list[str]) -> list[str]:
-    """``arguments`` for pytest; all tests where they name no file or folder of tests."""
-    if any((ROOT / argument.split("::")[0]).exists() for argument in arguments if not argument.startswith("-")):
-        return arguments
-    return ["tests", *(os.path.relpath(folder, ROOT) for folder in sorted(ROOT.glob("plugins/*/tests"))), *arguments]
