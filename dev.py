@@ -15,8 +15,8 @@
     python3 dev.py mcsl ARGS        the command line itself
     python3 dev.py run PROGRAM ARGS    any program of the environment
 
-The environment is .venv (another folder: MCSL_VENV), made from requirements.lock, and again when that or a pyproject
-changes. All but the last two are sessions of nox there (noxfile.py). Standard library only.
+The environment is .venv (another folder: MCSL_VENV), made from requirements.lock, and again when that, a pyproject.toml
+or mcsl's version changes. All but the last two are sessions of nox there (noxfile.py). Standard library only.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ def make_environment() -> None:
     """Installs what requirements.lock pins, the project and its plugins; quick when that was done before."""
     plugins = sorted(ROOT.glob("plugins/*/pyproject.toml"))
     wanted = hashlib.sha256(f"{ROOT}\n".encode())
-    for file in (ROOT / "requirements.lock", ROOT / "pyproject.toml", *plugins):
+    for file in (ROOT / "requirements.lock", ROOT / "pyproject.toml", ROOT / "mcsl_core" / "__init__.py", *plugins):
         wanted.update(f"{file.relative_to(ROOT)}\n".encode() + file.read_bytes())
     stamp, fits = VENV / "mcsl-setup", version_of(PYTHON) >= OLDEST
     if fits and stamp.is_file() and stamp.read_text() == wanted.hexdigest():

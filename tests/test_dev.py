@@ -161,7 +161,7 @@ def test_set_up_once_then_quick_then_again_when_the_project_changes(project):
     second = project.dev("mcsl", "plugins")
     assert only_line(second.stdout) == f"mcsl plugins in {project.root.parent}"
 
-    for name in ("pyproject.toml", "requirements.lock"):
+    for name in ("pyproject.toml", "requirements.lock", "mcsl_core/__init__.py"):  # the last one has the version
         with (project.root / name).open("a") as stream:
             stream.write("# changed\n")
         third = project.dev("mcsl", "plugins")
@@ -291,7 +291,9 @@ def test_without_root_and_sudo_the_line_to_run_is_told(without_venv):
     with tempfile.TemporaryDirectory() as name:
         os.chmod(name, 0o755)
         shutil.copy(ROOT / "dev.py", name)
-        (Path(name) / "requirements.lock").touch()
+        (Path(name) / "mcsl_core").mkdir()
+        for empty in ("requirements.lock", "mcsl_core/__init__.py"):
+            (Path(name) / empty).touch()
         shutil.copytree(without_venv.root.parent / "broken", Path(name) / "broken")
         shutil.copytree(without_venv.bin, Path(name) / "bin")
         (Path(name) / "pyproject.toml").write_text(PYPROJECT)
