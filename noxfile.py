@@ -30,8 +30,9 @@ CHECKS = {
     "lint-imports": (str(PROGRAMS / "lint-imports"),),
     "docs/generate.py": (PYTHON, "docs/generate.py", "--check"),
 }
+SITE = (PYTHON, "-m", "mkdocs", "build", "--strict", "--site-dir", "build/site")
 
-# What `test` hands to pytest-xdist. A file's tests stay in one process, so that its recordings are simulated once.
+# What pytest-xdist is told. A file's tests stay in one process, so that its recordings are simulated once.
 SIDE_BY_SIDE = ("-n", "auto", "--maxprocesses", "4", "--dist", "loadfile")
 # A process each core: threads inside of them would only take turns.
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "OPENCV_FOR_THREADS_NUM"), "1")
@@ -91,6 +92,10 @@ def pytest(*arguments: str) -> Sequence[str]:
     return (PYTHON, "-m", "pytest", *side_by_side, *arguments)
 
 
+def execute_notebooks() -> Sequence[str]:
+    return (str(PROGRAMS / "jupyter-execute"), *map(str, sorted(ROOT.glob("examples/*.ipynb"))))
+
+
 def which_tests(arguments: list[str]) -> list[str]:
     """``arguments`` for pytest; all tests where they name no file or folder of tests."""
     if any((ROOT / argument.split("::")[0]).exists() for argument in arguments if not argument.startswith("-")):
@@ -121,16 +126,13 @@ def docs(session: nox.Session) -> None:
 @nox.session
 def site(session: nox.Session) -> None:
     """Builds the documentation site into build/site; a link that leads nowhere is an error."""
-    session.run(PYTHON, "-m", "mkdocs", "build", "--strict", "--site-dir", "build/site")
+    run_each(session, {"site": SITE})
 
 
 @nox.session
 def examples(session: nox.Session) -> None:
     """Runs every notebook of examples/ from top to bottom; what they show is not written back."""
-    notebooks = sorted(ROOT.glob("examples/*.ipynb"))
-    if not notebooks:
-        session.error("there is no notebook in examples/")
-    run_each(session, {"examples": (str(PROGRAMS / "jupyter-execute"), *map(str, notebooks))})
+    run_each(session, {"examples": execute_notebooks()})
 
 
 @nox.session

@@ -20,6 +20,7 @@ import sys
 import sysconfig
 import tempfile
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -146,6 +147,24 @@ def project(tmp_path: Path) -> Project:
     return Project(tmp_path)
 
 
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Project:
+    project = Project(tmp_path_factory.mktemp("made"))
+    done = project.dev("mcsl")
+    assert done.returncode == 0, done.stderr
+    return project
+
+
+@pytest.fixture
+def ready(made: Project) -> Iterator[Project]:
+    """A project whose environment is there already, for what comes after; the next test finds it as this one did."""
+    yield made
+    shutil.rmtree(made.home, ignore_errors=True)
+    for path in (made.log, made.bin / "sudo"):
+        path.unlink(missing_ok=True)
+    made.stand_in("apt-get")
+
+
 def only_line(text: str) -> str:
     lines = text.splitlines()
     assert len(lines) == 1, text
@@ -175,39 +194,39 @@ def test_set_up_once_then_quick_then_again_when_the_project_changes(project):
     assert project.system_calls == []
 
 
-def test_the_demo_brings_blender_and_its_libraries_once(project):
-    project.stand_in("sudo", 'shift; exec "$@"')
-    first = project.dev("demo", "out")
+def test_the_demo_brings_blender_and_its_libraries_once(ready):
+    ready.stand_in("sudo", 'shift; exec "$@"')
+    first = ready.dev("demo", "out")
     assert first.returncode == 0, first.stdout + first.stderr
     order = [line for line in first.stdout.splitlines() if line.startswith("mcsl ")]
     assert [line.split(" in ")[0] for line in order] == ["mcsl blender install", "mcsl demo out"]
-    calls = [c for c in project.system_calls if c.startswith("apt-get")]
+    calls = [c for c in ready.system_calls if c.startswith("apt-get")]
     assert calls == ["apt-get -q update", "apt-get -q install -y --no-install-recommends libmcsl1"]
-    second = project.dev("demo")
+    second = ready.dev("demo")
     assert "blender install" not in second.stdout
 
 
-def test_libraries_that_cannot_be_brought_are_named_and_do_not_stop_the_rest(project):
-    project.stand_in("apt-get", "echo 'E: no network'; exit 100")
-    project.stand_in("sudo", 'shift; exec "$@"')
-    done = project.dev("setup")
+def test_libraries_that_cannot_be_brought_are_named_and_do_not_stop_the_rest(ready):
+    ready.stand_in("apt-get", "echo 'E: no network'; exit 100")
+    ready.stand_in("sudo", 'shift; exec "$@"')
+    done = ready.dev("setup")
     assert done.returncode == 0
     assert "apt-get update failed: E: no network; run as root: apt-get install -y libmcsl1" in done.stdout
-    assert done.stdout.splitlines()[-1] == f"tools/bring_blender.py: ready: {project.venv / 'bin'}"
+    assert done.stdout.splitlines()[-1] == f"tools/bring_blender.py: ready: {ready.venv / 'bin'}"
 
 
-def test_a_failing_command_hands_its_code_on(project):
-    assert project.dev("mcsl", "fail").returncode == 7
-    assert project.dev("run", "mcsl", "fail").returncode == 7
-    missing = project.dev("run", "mcls")
+def test_a_failing_command_hands_its_code_on(ready):
+    assert ready.dev("mcsl", "fail").returncode == 7
+    assert ready.dev("run", "mcsl", "fail").returncode == 7
+    missing = ready.dev("run", "mcls")
     assert missing.returncode == 1
-    assert only_line(missing.stderr) == f"dev.py: {project.venv / 'bin' / 'mcls'} is not there, or does not run"
+    assert only_line(missing.stderr) == f"dev.py: {ready.venv / 'bin' / 'mcls'} is not there, or does not run"
 
 
 @pytest.mark.parametrize("command", ["mcsl", "demo"])
-def test_ctrl_c_lets_what_runs_end_well_and_gives_130(project, command):
-    project.home.mkdir()
-    with project.start(command, "wait") as child:
+def test_ctrl_c_lets_what_runs_end_well_and_gives_130(ready, command):
+    ready.home.mkdir()
+    with ready.start(command, "wait") as child:
         assert child.stdout is not None
         while not (line := child.stdout.readline()).startswith("mcsl"):
             assert line, child.communicate()

@@ -56,9 +56,8 @@ def install(*arguments: str) -> bool:
 
 def bring() -> int:
     kind = kind_found()
-    packages = (
-        lacking() if sys.platform == "linux" and kind != "binary" else []
-    )  # a binary came with a package of its own
+    linked = sys.platform == "linux" and kind != "binary"  # a binary came with a package of its own
+    packages = lacking() if linked else []
     if packages:
         try:
             dev.install_system_packages(packages, "Blender needs system libraries")
