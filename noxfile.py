@@ -10,6 +10,7 @@ import os
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import nox
 from nox.command import CommandFailed
@@ -21,13 +22,14 @@ nox.options.sessions = ["lint", "fast"]
 ROOT = Path(__file__).parent
 PYTHON = sys.executable
 PROGRAMS = Path(PYTHON).parent
-PATIENT = {"interrupt_timeout": 20, "terminate_timeout": 10}  # seconds that Ctrl-C leaves for ending well
+# What Ctrl-C leaves for ending well, in seconds.
+PATIENT: dict[str, Any] = {"interrupt_timeout": 20, "terminate_timeout": 10}
 
 CHECKS = {
     "ruff check": (PYTHON, "-m", "ruff", "check", "."),
     "ruff format": (PYTHON, "-m", "ruff", "format", "--check", "--quiet", "."),
     "pyright": (PYTHON, "-m", "pyright", "--pythonpath", PYTHON),
-    "lint-imports": (str(PROGRAMS / "lint-imports"),),
+    "lint-imports": (str(PROGRAMS / "lint-imports"), "--no-logo"),
     "docs/generate.py": (PYTHON, "docs/generate.py", "--check"),
 }
 SITE = (PYTHON, "-m", "mkdocs", "build", "--strict", "--site-dir", "build/site")
@@ -35,7 +37,7 @@ SITE = (PYTHON, "-m", "mkdocs", "build", "--strict", "--site-dir", "build/site")
 # What pytest-xdist is told. A file's tests stay in one process, so that its recordings are simulated once.
 SIDE_BY_SIDE = ("-n", "auto", "--maxprocesses", "4", "--dist", "loadfile")
 # A process each core: threads inside of them would only take turns.
-ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "OPENCV_FOR_THREADS_NUM"), "1")
+ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "OPENCV_FOR_THREADS_NUM": "1"}
 
 
 @nox.session

@@ -392,7 +392,9 @@ def test_every_check_runs_and_those_that_fail_are_named(project):
     """Stand-ins for the tools, as modules of the tiny project: what is tested is that no failure gets lost."""
     for name, code in (("ruff", 0), ("pyright", 1), ("pytest", 5)):
         (project.root / f"{name}.py").write_text(f"import sys; print('{name}', *sys.argv[1:]); sys.exit({code})\n")
-    (project.root / "lint_imports.py").write_text("def main(): print('lint-imports'); return 1\n")
+    (project.root / "lint_imports.py").write_text(
+        "def main(): import sys; print('lint-imports', *sys.argv[1:]); return 1\n"
+    )
     (project.root / "docs").mkdir()
     (project.root / "docs" / "generate.py").write_text("import sys; print('generate', *sys.argv[1:])\n")
     plugin = project.root / "plugins" / "one"
@@ -409,7 +411,7 @@ def test_every_check_runs_and_those_that_fail_are_named(project):
         "ruff check .",
         "ruff format --check --quiet .",
         f"pyright --pythonpath {project.venv / 'bin' / 'python'}",
-        "lint-imports",
+        "lint-imports --no-logo",
         "generate --check",
         f"pytest {' '.join(SIDE_BY_SIDE)} tests plugins/one/tests -k edl",
     ]
