@@ -36,8 +36,11 @@ SITE = (PYTHON, "-m", "mkdocs", "build", "--strict", "--site-dir", "build/site")
 
 # What pytest-xdist is told. A file's tests stay in one process, so that its recordings are simulated once.
 SIDE_BY_SIDE = ("-n", "auto", "--maxprocesses", "4", "--dist", "loadfile")
-# A process each core: threads inside of them would only take turns.
-ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "OPENCV_FOR_THREADS_NUM": "1"}
+ENVIRONMENT: dict[str, str | None] = {
+    # A process each core: threads inside of them would only take turns.
+    **dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "OPENCV_FOR_THREADS_NUM"), "1"),
+    "NO_MKDOCS_2_WARNING": "1",  # decision 010
+}
 
 
 @nox.session
@@ -81,7 +84,7 @@ def run_each(session: nox.Session, commands: Mapping[str, Sequence[str]]) -> Non
     failed = []
     for name, command in commands.items():
         try:
-            session.run(*command, env=ONE_THREAD, **PATIENT)
+            session.run(*command, env=ENVIRONMENT, **PATIENT)
         except CommandFailed:
             failed.append(name)
     if failed:
