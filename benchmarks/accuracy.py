@@ -22,9 +22,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.recordings import RECORDINGS, make
-from mcsl_core import analysis, edl, plugins
-from mcsl_core.evaluation import Variant, evaluate, standard_variants
-from mcsl_core.manual import aligned_by_hand, homography_from_points, similarity_from_points
+from mcsl_core import edl
+from mcsl_core.analysis.pipeline import analyse
+from mcsl_core.analysis.settings import AnalysisSettings
+from mcsl_core.evaluation.evaluate import Variant, evaluate, standard_variants
+from mcsl_core.evaluation.manual_alignment import aligned_by_hand, homography_from_points, similarity_from_points
+from mcsl_core.hooks import registry as plugins
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import PoseTruth, Truth, alignment_error, best_plane_error, load_truth
 
@@ -48,10 +51,10 @@ def measure(folder: Path, name: str) -> dict[str, Any]:
         del variants["paper"]
     for variant, stages in variants.items():
         out = folder / f"{name}.{variant}" / "edl.json"
-        made = analysis.analyse(
+        made = analyse(
             [recording],
             out,
-            settings=analysis.AnalysisSettings(stages=stages),
+            settings=AnalysisSettings(stages=stages),
             plugins=plugins.discover(),
             progress=Silent(),
         )

@@ -28,11 +28,11 @@ import av
 import numpy as np
 
 from benchmarks.speed import CLIP_S, RATE, RESULTS, SIZE
-from mcsl_core.colour import as_matrix
-from mcsl_core.conform import conform
+from mcsl_core.alignment.colour_match import as_matrix
+from mcsl_core.delivery.conform import conform
+from mcsl_core.delivery.quality import STANDARD
 from mcsl_core.edl import Camera, Edl, Look, Media, Pose, Shot
 from mcsl_core.progress import Silent
-from mcsl_core.quality import STANDARD
 from mcsl_core.simulation import Scenario, simulate
 from mcsl_core.simulation.truth import best_plane, load_truth
 from mcsl_core.timing import FrameRange

@@ -31,17 +31,20 @@ from numpy.typing import NDArray
 from benchmarks.accuracy import table
 from benchmarks.painter import Painter
 from benchmarks.small_network import write_network
-from mcsl_core import plugins
-from mcsl_core.analysis import open_cameras, pose_ranges
+from mcsl_core.alignment.observations import SolvedPose
+from mcsl_core.alignment.pose_solver import solve_pose
+from mcsl_core.alignment.settings import SolveSettings
+from mcsl_core.analysis.cache import POSES
+from mcsl_core.analysis.pipeline import pose_ranges
 from mcsl_core.edl import Clock, Movement
-from mcsl_core.evidence import SolvedPose, SolveSettings
-from mcsl_core.footage import Footage
+from mcsl_core.hooks import registry as plugins
+from mcsl_core.occlusion.scoring import ScoringSegment, scoring_segments
 from mcsl_core.progress import Silent
-from mcsl_core.samples import SAMPLE_HEIGHT, Samples
-from mcsl_core.scoring import Stretch, stretches
+from mcsl_core.recording.cameras import open_cameras
+from mcsl_core.recording.footage import Footage
+from mcsl_core.recording.keyframe_sampling import sample_cameras
+from mcsl_core.recording.sample_store import SAMPLE_HEIGHT, SampleStore
 from mcsl_core.simulation import Scenario, Truth, load_truth, simulate
-from mcsl_core.solving import solve_pose
-from mcsl_core.stage_cache import POSES
 from mcsl_core.timing import FrameRange
 
 installed = cache(plugins.discover)
@@ -84,13 +87,13 @@ class Looked:
     """A recording as detectors get it. at: (samples, cameras), the programme frame each picture really belongs to."""
 
     truth: Truth
-    samples: Samples
+    samples: SampleStore
     solved: Sequence[SolvedPose]
     movements: tuple[Movement, ...]
     at: NDArray[np.int64]
 
-    def stretches(self, detector: plugins.Offer) -> tuple[Stretch, ...]:
-        return stretches(self.samples, self.solved, self.movements, detector)
+    def stretches(self, detector: plugins.Offer) -> tuple[ScoringSegment, ...]:
+        return scoring_segments(self.samples, self.solved, self.movements, detector.checked)
 
     def seen(self) -> NDArray[np.float64]:
         """(samples, cameras): the true visible share in each picture."""
@@ -110,11 +113,13 @@ def look(folder: Path, name: str) -> Looked:
     ]
     footage = Footage(cameras, rate=truth.rate, frames=truth.frames, base=folder)
     movements = tuple(Movement(FrameRange(*m)) for m in truth.movements)
-    samples = Samples.load(store) or Samples.record(footage, store, Silent())
+    samples = SampleStore.load(store) or SampleStore.record(footage, store, Silent())
     kept = folder / f"{name}.poses.npz"
     if not kept.exists():
         solved = [_solved(piece, samples, movements, footage, truth) for piece in pose_ranges(movements, truth.frames)]
-        at = [[s.at[c] for c in samples.cameras] for s in footage.samples(step_s=1.0, height=16)]
+        at = [
+            [s.at[c] for c in samples.cameras] for s in sample_cameras(footage, samples.cameras, step_s=1.0, height=16)
+        ]
         np.savez_compressed(kept, at=np.array(at), **POSES.pack(solved))  # pyright: ignore[reportArgumentType]
     with np.load(kept) as stored:
         arrays = dict(stored)
@@ -122,7 +127,7 @@ def look(folder: Path, name: str) -> Looked:
 
 
 def _solved(
-    piece: FrameRange, samples: Samples, movements: Sequence[Movement], footage: Footage, truth: Truth
+    piece: FrameRange, samples: SampleStore, movements: Sequence[Movement], footage: Footage, truth: Truth
 ) -> SolvedPose:
     return solve_pose(
         piece,
@@ -211,7 +216,7 @@ def judge(looked: Looked, name: str) -> dict[str, float]:
 
 def _programme(said: NDArray[np.float64], looked: Looked, found: plugins.Plugins) -> float:
     """Visible field of the shots that the default selector makes of the scores, over the best camera's, per frame."""
-    from mcsl_core.scores import ScoreTable
+    from mcsl_core.occlusion.score_table import ScoreTable
 
     truth, samples = looked.truth, looked.samples
     scores = ScoreTable(np.array(samples.frames), samples.cameras, said, ~np.isnan(said).all(axis=0) & (said == said))

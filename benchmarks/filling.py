@@ -27,14 +27,20 @@ from attrs import frozen
 from numpy.typing import NDArray
 
 from benchmarks.recordings import RECORDINGS, make
-from mcsl_core import analysis, edl, plugins
-from mcsl_core.compositor import Compositor, block_frames
-from mcsl_core.decisions import resolve, shift_at
-from mcsl_core.filling import Filler, FootprintFiller, ReferenceFiller
-from mcsl_core.footage import Footage
-from mcsl_core.images import Planes, median_planes, planes_to_bgr
-from mcsl_core.placement import programme_matrix, still_range
+from mcsl_core import edl
+from mcsl_core.analysis.pipeline import analyse
+from mcsl_core.analysis.settings import AnalysisSettings
+from mcsl_core.compositing.compositor import Compositor, block_frames
+from mcsl_core.compositing.placement import programme_matrix
+from mcsl_core.edl.placement import still_range
+from mcsl_core.edl.resolve import resolve, shift_at
+from mcsl_core.filling.footprint import FootprintFiller
+from mcsl_core.filling.paper import PaperFiller
+from mcsl_core.filling.protocol import Filler
+from mcsl_core.hooks import registry as plugins
+from mcsl_core.imaging.planes import Planes, median_planes, planes_to_bgr
 from mcsl_core.progress import Silent
+from mcsl_core.recording.footage import Footage
 from mcsl_core.simulation import Truth, load_truth
 from mcsl_core.simulation.ground import Ground
 from mcsl_core.simulation.render import CameraPictures
@@ -45,7 +51,7 @@ from mcsl_core.timing import FrameRange
 RESULTS = Path(__file__).parent / "results"
 FRAMES = 3  # looked at in each pose
 SHIFT = 0.1  # of the picture's width and height, to the right and down
-FILLERS: tuple[Filler, ...] = (ReferenceFiller(), FootprintFiller())
+FILLERS: tuple[Filler, ...] = (PaperFiller(), FootprintFiller())
 
 
 @frozen
@@ -105,8 +111,8 @@ def measure(folder: Path, name: str) -> Iterator[Row]:
     truth = load_truth(recording)
     out = folder / f"{name}.ours" / "edl.json"
     if not out.exists():
-        settings = analysis.AnalysisSettings()
-        analysis.analyse([recording], out, settings=settings, plugins=plugins.discover(), progress=Silent())
+        settings = AnalysisSettings()
+        analyse([recording], out, settings=settings, plugins=plugins.discover(), progress=Silent())
     made = edl.load(out)
     scene, room = UnoccludedScene(truth.scenario), EmptyRoom(made, out.parent, truth)
     filmed = Footage(made.cameras, rate=made.rate, frames=made.frames, base=out.parent)

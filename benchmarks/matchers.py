@@ -24,11 +24,11 @@ from numpy.typing import NDArray
 from scipy.interpolate import LinearNDInterpolator
 
 from benchmarks.accuracy import table
-from mcsl_core.alignment import apply
-from mcsl_core.analysis import open_cameras
-from mcsl_core.footage import Footage
-from mcsl_core.plugins import Offer, discover
+from mcsl_core.hooks.registry import Offer, discover
+from mcsl_core.imaging.geometry import transform_points
 from mcsl_core.progress import Silent
+from mcsl_core.recording.cameras import open_cameras
+from mcsl_core.recording.footage import Footage
 from mcsl_core.simulation import Scenario, Truth, load_truth, simulate
 
 RESULTS = Path(__file__).parent / "results"
@@ -138,7 +138,7 @@ def judge(offer: Offer, views: Turned) -> Judged:
 
 
 def rms_over_field(homography: object, views: Turned) -> float:
-    apart = apply(np.asarray(homography, np.float64), views.field_a) - views.field_b
+    apart = transform_points(np.asarray(homography, np.float64), views.field_a) - views.field_b
     return float(np.sqrt(np.square(apart).sum(axis=1).mean()))
 
 

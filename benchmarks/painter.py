@@ -9,6 +9,7 @@ import numpy as np
 from mcsl_learned_occlusion.model import CLASSES
 from numpy.typing import NDArray
 
+from mcsl_core.imaging.masks import close_gaps
 from mcsl_core.simulation import Scenario
 from mcsl_core.simulation.clocks import clocks
 from mcsl_core.simulation.ground import Ground
@@ -16,7 +17,6 @@ from mcsl_core.simulation.layers import Box, Overlay, Picture
 from mcsl_core.simulation.render import CameraPictures
 from mcsl_core.simulation.rig import View
 from mcsl_core.simulation.staging import Placement, Play
-from mcsl_core.surgical_field import closed
 
 EDGE_PX = 2  # nobody paints up to the very edge
 
@@ -41,7 +41,7 @@ class Painter(CameraPictures):
         points = points[((points >= 0) & (points < self._size)).all(axis=1)]
         field = np.zeros((height, width), np.uint8)
         field[points[:, 1], points[:, 0]] = 1
-        field = closed(cv2.morphologyEx(field, cv2.MORPH_CLOSE, np.ones((9, 9), np.uint8)) > 0)
+        field = close_gaps(cv2.morphologyEx(field, cv2.MORPH_CLOSE, np.ones((9, 9), np.uint8)) > 0)
         labels = np.full((height, width), CLASSES.index("elsewhere"), np.uint8)
         labels[field] = CLASSES.index("field")
         labels[self._hidden > 127] = CLASSES.index("in the way")

@@ -43,7 +43,7 @@ threads = [threading.Thread(target=decode, args=(p,)) for p in sys.argv[1:]]
 """
 # The clips' sound repeats, so that it fits at every 20 s: all of it is heard, and then refused.
 WAY = ("--progress", "none", "analyse", "--sync", "audio")
-ANALYSE = "import sys; from mcsl_core.cli import main; sys.exit(main(sys.argv[1:]))"
+ANALYSE = "import sys; from mcsl_core.cli.main import main; sys.exit(main(sys.argv[1:]))"
 
 
 def recording(folder: Path, minutes: float) -> Path:

@@ -22,12 +22,12 @@ from pathlib import Path
 
 import numpy as np
 
-from mcsl_core import blender as blenders
 from mcsl_core import edl as edls
-from mcsl_core.blender_child import search_paths
+from mcsl_core.blender import installation as blenders
+from mcsl_core.blender.child import search_paths
 from mcsl_core.edl import IDENTITY, Camera, Edl, Media, Override, Pose, Shot
+from mcsl_core.media.writing import Encoding, VideoWriter
 from mcsl_core.timing import FrameRange
-from mcsl_core.video import Encoding, VideoWriter
 
 RESULTS = Path(__file__).parent / "results"
 FRAMES, SHOTS, CAMERAS, POSES, KEYS, OVERRIDES = 120_000, 2_000, 5, 3, 5_000, 200

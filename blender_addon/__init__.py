@@ -1,12 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """mcsl in Blender's sequencer: the timeline of an EDL, and the editor's decisions back into it.
 
-What is decided stands in plain modules that import no bpy (`plan`, `readback`, `nudges`, `switching`, `outstanding`,
-`shots`, ...); `strips` and `conformed` touch the sequencer; `operators` and `panels` are a thin skin. `jobs` runs mcsl
-as a child process; `background` and `tasks` run in the one that mcsl starts. Of mcsl_core only floor 0 is used.
+What is decided stands in `core`, plain Python without bpy. `sequencer` touches the strips, `ui` is a thin skin.
+`process` runs mcsl as a child process; `worker` runs in the child that mcsl starts. Of mcsl_core only documents,
+timing, progress and the EDL are used.
 """
 
-_MODULES = ("translations", "preferences", "properties", "running", "operators", "by_hand", "panels", "watching")
+_MODULES = (
+    "ui.translations.lookup",
+    "ui.preferences",
+    "ui.properties",
+    "ui.job_runner",
+    "ui.operators",
+    "ui.operators.multicam",
+    "ui.panels",
+    "ui.refresh",
+)
 
 
 def _modules() -> list:

@@ -1,4 +1,4 @@
-"""The generated part of docs/hooks.md, read from the source text of mcsl_core/hookspecs.py; see generate.py."""
+"""The generated part of docs/hooks.md, read from the source text of mcsl_core/hooks/specs.py; see generate.py."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parent.parent / "mcsl_core"
-MARKER = "<!-- Below this line: written by docs/generate.py from mcsl_core/hookspecs.py. -->"
+MARKER = "<!-- Below this line: written by docs/generate.py from mcsl_core/hooks/specs.py. -->"
 
 
 class Described:
@@ -46,7 +46,9 @@ def module_ast(module: str) -> ast.Module:
 
 
 def imported(node: ast.ImportFrom, module: str) -> str:
-    """The module of mcsl_core that ``node``, a relative import standing in ``module``, takes from."""
+    """The module of mcsl_core that ``node``, an import standing in ``module``, takes from."""
+    if not node.level:
+        return (node.module or "").removeprefix("mcsl_core.")
     parts = module.split(".")
     inside = parts if file_of(module).name == "__init__.py" else parts[:-1]
     return ".".join([*inside[: len(inside) + 1 - node.level], node.module or ""])
@@ -56,7 +58,9 @@ def find(name: str, module: str) -> Described | None:
     for node in module_ast(module).body:
         if isinstance(node, ast.ClassDef) and node.name == name:
             return Described(node, module)
-        if not isinstance(node, ast.ImportFrom) or not node.level or not node.module:
+        if not isinstance(node, ast.ImportFrom) or not node.module:
+            continue
+        if not node.level and not node.module.startswith("mcsl_core."):
             continue
         if any((alias.asname or alias.name) == name for alias in node.names):
             return find(name, imported(node, module))
@@ -152,8 +156,8 @@ class Reference:
 
 
 def hooks_reference() -> str:
-    hooks = find("Hooks", "hookspecs")
-    assert hooks is not None, "mcsl_core/hookspecs.py has no class Hooks"
+    hooks = find("Hooks", "hooks.specs")
+    assert hooks is not None, "mcsl_core/hooks/specs.py has no class Hooks"
     reference = Reference()
     for function in hooks.functions():
         reference.hook(hooks, function)

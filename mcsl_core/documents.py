@@ -28,8 +28,8 @@ from cattrs.errors import (
 )
 from cattrs.gen import make_dict_structure_fn, make_dict_unstructure_fn, override
 
-from .errors import DocumentError, Fault, InputError, McslError
-from .timing import FrameRange, format_rate, parse_rate
+from mcsl_core.errors import DocumentError, Fault, InputError, McslError
+from mcsl_core.timing import FrameRange, format_rate, parse_rate
 
 T = TypeVar("T")
 

@@ -15,7 +15,7 @@ from typing import IO, Any, Protocol
 
 from attrs import define, field
 
-from .errors import Cancelled
+from mcsl_core.errors import Cancelled
 
 
 class Progress(Protocol):

@@ -11,7 +11,7 @@ from typing import TypeVar
 
 from attrs import field, frozen
 
-from .errors import Fault
+from mcsl_core.errors import Fault
 
 T = TypeVar("T")
 

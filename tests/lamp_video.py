@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 
 from mcsl_core.edl import Camera, Media
-from mcsl_core.footage import Footage
+from mcsl_core.recording.footage import Footage
 from mcsl_core.timing import FrameRange
 
 CAMERAS = 3

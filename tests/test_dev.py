@@ -62,8 +62,8 @@ version = "0.0"
 """
 MODULES = {
     "errors": "class BlenderError(Exception): pass\n",
-    "blender": (
-        "import os\nfrom .errors import BlenderError\n"
+    "blender/installation": (
+        "import os\nfrom ..errors import BlenderError\n"
         "PACKAGES = {'libmcsl-surely-missing.so.1': 'libmcsl1'}\n"
         "class Found: kind = 'module'\n"
         "def find():\n"
@@ -94,7 +94,7 @@ class Project:
         self.bin = folder / "bin"
         self.venv = folder / "venv"
         self.home = folder / "home"
-        (self.root / "mcsl_core").mkdir(parents=True)
+        (self.root / "mcsl_core" / "blender").mkdir(parents=True)
         self.bin.mkdir()
         (self.root / "tools").mkdir()
         for name in ("dev.py", "noxfile.py", "tools/bring_blender.py"):

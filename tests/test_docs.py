@@ -55,7 +55,7 @@ def test_a_page_changed_by_hand_or_missing_is_stale_and_is_written_again(copy: P
 
 
 def test_a_field_changed_in_the_classes_makes_the_pages_stale(copy: Path):
-    source = copy / "mcsl_core" / "edl.py"
+    source = copy / "mcsl_core" / "edl" / "schema.py"
     text = source.read_text("utf-8")
     assert "length of the programme" in text
     source.write_text(text.replace("length of the programme", "how long it is"), "utf-8")
@@ -67,7 +67,7 @@ def test_a_field_changed_in_the_classes_makes_the_pages_stale(copy: Path):
 
 
 def test_a_method_changed_in_a_protocol_makes_the_page_stale(copy: Path):
-    source = copy / "mcsl_core" / "hookspecs.py"
+    source = copy / "mcsl_core" / "movement" / "protocol.py"
     text = source.read_text("utf-8")
     assert "-> Detection:" in text
     source.write_text(text.replace("-> Detection:", "-> list[Movement]:"), "utf-8")

@@ -13,14 +13,18 @@ import cv2
 import numpy as np
 import pytest
 
-from mcsl_core.alignment import AlignmentSettings, align, apply, pool
-from mcsl_core.analysis import AnalysisSettings, analyse, describe
+from mcsl_core.alignment.correspondences import pool
+from mcsl_core.alignment.features import RootSift
+from mcsl_core.alignment.joint import AlignmentSettings, align
+from mcsl_core.analysis.pipeline import analyse
+from mcsl_core.analysis.settings import AnalysisSettings
+from mcsl_core.analysis.summary import describe
+from mcsl_core.blender.render import render
 from mcsl_core.edl import Camera, Media
-from mcsl_core.features import RootSift
-from mcsl_core.footage import Footage
-from mcsl_core.plugins import discover
+from mcsl_core.hooks.registry import discover
+from mcsl_core.imaging.geometry import transform_points
 from mcsl_core.progress import Silent
-from mcsl_core.rendering import render
+from mcsl_core.recording.footage import Footage
 
 BOARD_SIZE = (1280, 720)
 
@@ -73,7 +77,7 @@ def test_homographies_of_one_board_agree_with_its_published_corners(shared_data:
         for name in set(result.homographies) - {reference}:
             own, target = corners[int(name[-1])], corners[int(reference[-1])]
             common = sorted(set(own) & set(target))
-            moved = apply(result.homographies[name], np.array([own[k] for k in common]))
+            moved = transform_points(result.homographies[name], np.array([own[k] for k in common]))
             errors.append(np.median(np.hypot(*(moved - np.array([target[k] for k in common])).T)))
     assert len(errors) >= 12
     assert np.median(errors) < 3

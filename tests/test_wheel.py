@@ -73,20 +73,20 @@ def test_it_holds_every_file_of_the_package_the_add_on_and_the_presets_and_no_ot
 
 
 def test_the_presets_are_found(python, tmp_path):
-    code = "from mcsl_core import presets\nout = {n: presets.load(n).title for n in presets.names()}"
+    code = "from mcsl_core.delivery import presets\nout = {n: presets.load_preset(n).title for n in presets.preset_names()}"
     found = ask(python, tmp_path, code)
     assert sorted(found) == sorted(path.stem for path in (ROOT / "render_presets").glob("*.json"))
 
 
 def test_the_add_on_is_found_and_is_a_package_on_the_paths_that_its_process_gets(python, tmp_path):
-    code = "from mcsl_core import blender_child as child\nout = [str(child.script()), child.search_paths()]"
+    code = "from mcsl_core.blender import child\nout = [str(child.script()), child.search_paths()]"
     script, paths = ask(python, tmp_path, code)
     assert Path(script).is_file()
     assert not Path(script).is_relative_to(ROOT)
     # As in Blender: a Python that has none of our packages and appends the paths.
-    code = f"import sys\nsys.path += {paths!r}\nfrom blender_addon import __file__ as out, "
-    code += "deliveries\nout = [out, [d.name for d in deliveries.load_all()]]"
-    done = run(sys.executable, "-I", "-S", "-c", f"import json\n{code}\nprint(json.dumps(out))", cwd=tmp_path)
+    code = f"import json, sys\nsys.path += {paths!r}\nimport blender_addon\nfrom blender_addon.core import presets\n"
+    code += "print(json.dumps([blender_addon.__file__, [preset.name for preset in presets.load_all()]]))"
+    done = run(sys.executable, "-I", "-S", "-c", code, cwd=tmp_path)
     package, presets = json.loads(done)
     assert Path(package).parent in Path(script).parents
     assert sorted(presets) == sorted(path.stem for path in (ROOT / "render_presets").glob("*.json"))
@@ -96,11 +96,11 @@ def test_the_add_on_is_found_and_is_a_package_on_the_paths_that_its_process_gets
 def test_blender_runs_the_installed_add_on(python, tmp_path):
     """No timeline is at hand; a file that is none is refused by the task itself, so it was reached."""
     code = f"""
-from mcsl_core import blender_child as child
-from mcsl_core.blender import find
+from mcsl_core.blender import child
+from mcsl_core.blender.installation import find
 from mcsl_core.errors import InputError
 try:
-    out = child.run(find(), {{"task": "read", "blend": {str(tmp_path / "none.blend")!r}}})
+    out = child.run_task(find(), {{"task": "read", "blend": {str(tmp_path / "none.blend")!r}}})
 except InputError as error:
     out = str(error)
 """

@@ -14,13 +14,14 @@ import numpy as np
 import pytest
 
 from mcsl_core import edl as document
-from mcsl_core.analysis import AnalysisSettings, analyse
-from mcsl_core.compositor import Compositor
+from mcsl_core.analysis.pipeline import analyse
+from mcsl_core.analysis.settings import AnalysisSettings
+from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.edl import Edl, Look, Override
-from mcsl_core.evaluation import interframe_fidelity, without_alignment
-from mcsl_core.footage import Footage
-from mcsl_core.plugins import discover
+from mcsl_core.evaluation.evaluate import interframe_fidelity, without_alignment
+from mcsl_core.hooks.registry import discover
 from mcsl_core.progress import Silent
+from mcsl_core.recording.footage import Footage
 from mcsl_core.simulation import Scenario, Truth, alignment_error, best_plane_error, simulate
 from mcsl_core.timing import FrameRange
 

@@ -20,7 +20,7 @@ if str(ROOT) not in sys.path:
     sys.path.insert(0, str(ROOT))
 
 import dev  # noqa: E402
-from mcsl_core.blender import PACKAGES, find  # noqa: E402
+from mcsl_core.blender.installation import PACKAGES, find  # noqa: E402
 from mcsl_core.errors import BlenderError  # noqa: E402
 
 OLDEST = "4.5"

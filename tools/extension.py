@@ -4,7 +4,7 @@
     python tools/extension.py [OUT.zip]          (default: dist/mcsl-VERSION.zip; `make addon` calls it)
 
 The zip holds blender_addon/ but for what only mcsl's child process runs, the render presets, and wheels: mcsl's
-floor 0 as far as the add-on imports it, made here, and the pinned packages it needs (tools/wheels.txt, with hashes).
+documents as far as the add-on imports them, made here, and the pinned packages it needs (tools/wheels.txt: hashes).
 All of them are pure Python, so one zip fits every system and every Python. Blender's own tool validates and packs it.
 The same tree gives the same bytes.
 """
@@ -27,12 +27,12 @@ if str(ROOT) not in sys.path:
     sys.path.insert(0, str(ROOT))
 
 from mcsl_core import __version__  # noqa: E402
-from mcsl_core.blender import Blender, find  # noqa: E402
+from mcsl_core.blender.installation import Blender, find  # noqa: E402
 from mcsl_core.errors import BlenderError, McslError  # noqa: E402
 
 ADDON = ROOT / "blender_addon"
 PINNED = ROOT / "tools" / "wheels.txt"
-IN_THE_CHILD = {"background.py", "tasks.py"}  # mcsl runs them in a Blender of its own, from its own files
+IN_THE_CHILD = ADDON / "worker"  # mcsl runs it in a Blender of its own, from its own files
 EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest a zip can say
 LICENCE = ROOT / "LICENSE"
 
@@ -40,43 +40,48 @@ LICENCE = ROOT / "LICENSE"
 # ------------------------------------------------------------------------------------------------- mcsl's own wheel
 
 
-def floor_0() -> list[Path]:
-    """The modules of mcsl_core that the add-on imports, and what those import."""
-    waiting = {"__init__"}
-    for path in ADDON.rglob("*.py"):
-        waiting |= _imported(path, "mcsl_core")
+def documents() -> list[Path]:
+    """The files of mcsl_core that the add-on imports, and what those import, with the packages they lie in."""
+    waiting = {name for path in ADDON.rglob("*.py") for name in _imported(path)}
     found: set[str] = set()
     while waiting:
         name = waiting.pop()
+        if name in found or (path := _file_of(name)) is None:
+            continue
         found.add(name)
-        waiting |= _imported(ROOT / "mcsl_core" / f"{name}.py", "mcsl_core") - found
-    return [ROOT / "mcsl_core" / f"{name}.py" for name in sorted(found)]
+        waiting |= {name.rpartition(".")[0], *_imported(path)} - found
+    return sorted(path for name in found if (path := _file_of(name)) is not None)
 
 
-def _imported(path: Path, package: str) -> set[str]:
-    """The modules of ``package`` that a file imports, by full name or, inside the package, by dots."""
-    inside = path.parent.name == package
+def _file_of(module: str) -> Path | None:
+    """The file of a module of mcsl_core by its dotted name; None where there is no such module."""
+    path = ROOT / module.replace(".", "/")
+    for file in (path / "__init__.py", path.with_suffix(".py")):
+        if module and file.is_file():
+            return file
+    return None
+
+
+def _imported(path: Path) -> set[str]:
+    """Dotted names in mcsl_core that a file imports when it is loaded: modules, and what may be one."""
+    package = path.relative_to(ROOT).parts[:-1]
     names: set[str] = set()
     for node in ast.walk(ast.parse(path.read_text("utf-8"))):
         if isinstance(node, ast.Import):
-            names |= {alias.name.split(".")[1] for alias in node.names if alias.name.startswith(f"{package}.")}
+            names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            module = node.module or ""
-            if node.level == 1 and inside:
-                module = f"{package}.{module}".rstrip(".")
-            if module == package:
-                names |= {alias.name for alias in node.names}
-            elif module.startswith(f"{package}."):
-                names.add(module.split(".")[1])
-    return {name for name in names if (ROOT / package / f"{name}.py").is_file()}
+            base = package[: len(package) - node.level + 1] if node.level else ()
+            module = ".".join([*base, *([node.module] if node.module else [])])
+            names |= {module, *(f"{module}.{alias.name}" for alias in node.names)}
+    return {name for name in names if name.split(".")[0] == "mcsl_core"}
 
 
 def write_wheel(folder: Path) -> Path:
-    """mcsl_core's floor 0 as a wheel, by the wheel format's rules: files, METADATA, WHEEL, RECORD.
+    """mcsl_core's documents as a wheel, by the wheel format's rules: files, METADATA, WHEEL, RECORD.
 
     Its version ends in a digest of the files: Blender keeps an installed wheel as long as one of its name is asked for.
     """
-    files = {f"mcsl_core/{path.name}": path.read_bytes() for path in floor_0()}
+    files = {path.relative_to(ROOT).as_posix(): path.read_bytes() for path in documents()}
     version = f"{__version__}+{hashlib.sha256(repr(files).encode()).hexdigest()[:10]}"
     info = f"mcsl_core-{version}.dist-info"
     metadata = (
@@ -115,7 +120,7 @@ def _write_zip(path: Path, files: dict[str, bytes]) -> None:
 def stage(folder: Path) -> None:
     """Everything that goes into the zip, laid out in ``folder``."""
     for path in sorted(ADDON.rglob("*.py")):
-        if path.name not in IN_THE_CHILD:
+        if IN_THE_CHILD not in path.parents:
             target = folder / path.relative_to(ADDON)
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(path, target)

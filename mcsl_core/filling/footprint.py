@@ -10,11 +10,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ..images import BLACK, Planes
-from .cover import Covered, covered
-from .plan import Patch, Plan, plan
+from mcsl_core.imaging.planes import BLACK, Planes
+from mcsl_core.imaging.rect import Rect
+
+from .layers import FillPlan, FillRegion, plan_layers
+from .occluders import Occluders, find_occluders
+from .protocol import FillContext
 from .sources import Source, faded, missing, sets_of
-from .view import Rect, View
 
 _KEPT_PLANS = 8
 
@@ -35,32 +37,32 @@ class FootprintFiller:
 
     def __init__(self, feather_px: float = 24.0) -> None:
         self.feather_px = feather_px
-        self._plans: dict[Hashable, Plan] = {}
+        self._plans: dict[Hashable, FillPlan] = {}
 
-    def fill(self, view: View) -> Planes:
+    def fill(self, context: FillContext) -> Planes:
         absent: frozenset[Source] = frozenset()
         while True:
-            made = self._planned(view, absent)
-            gone = {source for source in made.sources[1:] if missing(view, source)}
+            made = self._planned(context, absent)
+            gone = {source for source in made.sources[1:] if missing(context, source)}
             if not gone:
                 break
             absent |= gone  # a gap in a camera's pictures: as if it were not there
         if not made.patches:
-            return view.front
+            return context.front
         # The chosen camera's picture bends over into the others', so that what lies across its edge goes on there.
-        front = view.look(view.camera, Rect(0, 0, *view.size), without_parallax=True) or view.front
+        front = context.picture(context.camera, Rect(0, 0, *context.size), parallax_corrected=True) or context.front
         out = Planes(*(plane.copy() for plane in front))
-        hidden = covered(view, made)
-        wide = {index: (box, _picture(view, made.sources[index], box, hidden)) for index, box in made.boxes.items()}
+        hidden = find_occluders(context, made)
+        wide = {index: (box, _picture(context, made.sources[index], box, hidden)) for index, box in made.boxes.items()}
         for patch in made.patches:
-            _make(out, view, made.sources, patch, wide, hidden)
+            _make(out, context, made.sources, patch, wide, hidden)
         return out
 
-    def _planned(self, view: View, absent: frozenset[Source]) -> Plan:
-        key = (view.geometry, absent)
+    def _planned(self, context: FillContext, absent: frozenset[Source]) -> FillPlan:
+        key = (context.geometry, absent)
         made = self._plans.get(key)
         if made is None:
-            made = plan(view, absent, self.feather_px)
+            made = plan_layers(context, absent, self.feather_px)
             while len(self._plans) >= _KEPT_PLANS:
                 self._plans.pop(next(iter(self._plans)), None)
             self._plans[key] = made
@@ -71,7 +73,9 @@ class FootprintFiller:
 Wide = Mapping[int, tuple[Rect, Planes]]
 
 
-def _make(out: Planes, view: View, sources: Sequence[Source], patch: Patch, wide: Wide, hidden: Covered) -> None:
+def _make(
+    out: Planes, context: FillContext, sources: Sequence[Source], patch: FillRegion, wide: Wide, hidden: Occluders
+) -> None:
     target = patch.rect.of(out)
     pictures = []
     for layer in patch.layers:
@@ -82,7 +86,7 @@ def _make(out: Planes, view: View, sources: Sequence[Source], patch: Patch, wide
             inside = Rect(patch.rect.x - box.x, patch.rect.y - box.y, patch.rect.width, patch.rect.height)
             pictures.append(inside.of(seen))
         else:
-            pictures.append(_picture(view, sources[layer.source], patch.rect, hidden))
+            pictures.append(_picture(context, sources[layer.source], patch.rect, hidden))
     for index, plane in enumerate(target):
         result: NDArray = tuple(pictures[-1])[index] if pictures else np.full(plane.shape, BLACK[index], np.uint8)
         behind = list(zip(pictures, patch.layers, strict=True))
@@ -96,21 +100,21 @@ def _make(out: Planes, view: View, sources: Sequence[Source], patch: Patch, wide
         plane[:] = result
 
 
-def _picture(view: View, source: Source, rect: Rect, hidden: Covered) -> Planes:
-    blur = 0.0 if source.frame is None else _blur_px(abs(view.frame - source.frame) / view.rate, view.size[0])
+def _picture(context: FillContext, source: Source, rect: Rect, hidden: Occluders) -> Planes:
+    blur = 0.0 if source.frame is None else _blur_px(abs(context.frame - source.frame) / context.rate, context.size[0])
     found = [
-        view.look(source.camera, rect, moments, blur, without_parallax=not source.plain)
-        for moments in sets_of(view, source)
+        context.picture(source.camera, rect, median_of, blur, parallax_corrected=not source.plain)
+        for median_of in sets_of(context, source)
     ]
     planes = [picture for picture in found if picture is not None]
-    picture = planes[0] if len(planes) < 2 else _mixed(planes[0], planes[1], faded(view))
+    picture = planes[0] if len(planes) < 2 else _mixed(planes[0], planes[1], faded(context))
     if not source.live or source.camera not in hidden:
         return picture
     cover = hidden[source.camera]
     part = cover.within(rect)
     if part is None:
         return picture
-    before = _picture(view, attrs.evolve(source, moment=True), rect, {})  # of all of it: the same for many frames
+    before = _picture(context, attrs.evolve(source, moment=True), rect, {})  # of all of it: the same for many frames
     out = Planes(*(plane.copy() for plane in picture))
     inside = Rect(part.x - rect.x, part.y - rect.y, part.width, part.height)
     weights = cover.over(part, 1), cover.over(part, 2), cover.over(part, 2)

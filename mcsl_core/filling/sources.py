@@ -6,8 +6,10 @@ from collections.abc import Iterator
 
 from attrs import frozen
 
-from .moments import first_looks, grid_step, looks
-from .view import Rect, View
+from mcsl_core.imaging.rect import Rect
+
+from .median_grid import first_grid_frames, grid_frames, grid_step
+from .protocol import FillContext
 
 _FADE_S = 1.0  # from one median to the next
 
@@ -26,35 +28,39 @@ class Source:
         return not self.moment and self.frame is None
 
 
-def candidates(view: View) -> Iterator[Source]:
+def candidates(context: FillContext) -> Iterator[Source]:
     """Who may stand behind, the best first."""
-    for camera in view.others:
+    for camera in context.others:
         yield Source(camera, moment=True)
-    for still in view.elsewhere:
-        frame = still.stop - 1 if still.start < view.still.start else still.start  # the nearest in time
-        for camera in (view.camera, *view.others):
+    for still in context.elsewhere:
+        frame = still.stop - 1 if still.start < context.still.start else still.start  # the nearest in time
+        for camera in (context.camera, *context.others):
             yield Source(camera, frame=frame)
 
 
-def sets_of(view: View, source: Source) -> tuple[tuple[int, ...], ...]:
-    """The sets of moments at which a source is looked at, the latest first; an empty set is now."""
+def sets_of(context: FillContext, source: Source) -> tuple[tuple[int, ...], ...]:
+    """The sets of median_of at which a source is looked at, the latest first; an empty set is now."""
     if source.frame is not None:
-        still = next(piece for piece in view.elsewhere if source.frame in piece)
-        step = grid_step(still, view.rate)
-        return (looks(still, step, source.frame // step) if source.frame > still.start else first_looks(still, step),)
+        still = next(piece for piece in context.elsewhere if source.frame in piece)
+        step = grid_step(still, context.rate)
+        return (
+            grid_frames(still, step, source.frame // step)
+            if source.frame > still.start
+            else first_grid_frames(still, step),
+        )
     if not source.moment:
         return ((),)
-    step = grid_step(view.still, view.rate)
-    now, before = (looks(view.still, step, view.frame // step - ago) for ago in (0, 1))
-    return (now,) if now == before or faded(view) >= 1 else (now, before)
+    step = grid_step(context.still, context.rate)
+    now, before = (grid_frames(context.still, step, context.frame // step - ago) for ago in (0, 1))
+    return (now,) if now == before or faded(context) >= 1 else (now, before)
 
 
-def faded(view: View) -> float:
+def faded(context: FillContext) -> float:
     """How much of the latest looks has come, 0..1."""
-    step = grid_step(view.still, view.rate)
-    return min(1.0, (view.frame % step + 1) / max(1.0, min(_FADE_S * view.rate, step)))
+    step = grid_step(context.still, context.rate)
+    return min(1.0, (context.frame % step + 1) / max(1.0, min(_FADE_S * context.rate, step)))
 
 
-def missing(view: View, source: Source) -> bool:
+def missing(context: FillContext, source: Source) -> bool:
     speck = Rect(0, 0, 2, 2)
-    return any(view.look(source.camera, speck, moments) is None for moments in sets_of(view, source))
+    return any(context.picture(source.camera, speck, median_of) is None for median_of in sets_of(context, source))

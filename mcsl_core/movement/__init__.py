@@ -1,5 +1,1 @@
 """When the lamp moves. All cameras sit on one lamp: they start and stop together."""
-
-from .stillness import Stillness
-
-__all__ = ["Stillness"]

@@ -14,14 +14,15 @@ import numpy as np
 from attrs import field, frozen
 from numpy.typing import NDArray
 
-from ..edl import Movement
-from ..footage import Footage
-from ..progress import Progress
-from ..samples import Samples
-from ..scores import Curve, Detection
-from ..timing import FrameRange
+from mcsl_core.edl import Movement
+from mcsl_core.progress import Progress
+from mcsl_core.recording.footage import Footage
+from mcsl_core.recording.sample_store import SampleStore
+from mcsl_core.timing import FrameRange
+
+from .boundaries import CloseLook, bracket, time_side
 from .displacement import Grey, Shift, Standing, texture
-from .timing import CloseLook, bracket, time_side
+from .protocol import Curve, Detection
 
 IN_PLACE_PX = 0.5
 """A patch found this near to its place lies there: on standing views the error of one patch is 0.1 to 0.3 px."""
@@ -88,7 +89,7 @@ class Stillness:
     join_s: float = field(default=2.0)
     name = "stillness"
 
-    def detect(self, samples: Samples, footage: Footage, progress: Progress) -> Detection:
+    def detect(self, samples: SampleStore, footage: Footage, progress: Progress) -> Detection:
         """The movements, in order, on the programme clock."""
         progress.stage("Looking for lamp movements", len(samples), "samples")
         looks = self._compare(samples, progress)
@@ -103,7 +104,7 @@ class Stillness:
             progress.advance(number + 1)
         return Detection(tuple(_apart(found)), curve)
 
-    def _compare(self, samples: Samples, progress: Progress) -> Mapping[int, tuple[NDArray, NDArray]]:
+    def _compare(self, samples: SampleStore, progress: Progress) -> Mapping[int, tuple[NDArray, NDArray]]:
         """lag -> ((S - 1,) stillness, (S - 1,) highest share of any camera) of sample i + 1 against i + 1 - lag; NaN
         where nothing can be said. Where a camera had no picture, its last one before that counts."""
         steps = max(len(samples) - 1, 0)
@@ -139,7 +140,9 @@ class Stillness:
                 still = float("nan")
         return still, max(shares) if len(shares) >= 3 else float("nan")
 
-    def _spans(self, looks: Mapping[int, tuple[NDArray, NDArray]], samples: Samples, footage: Footage) -> list[Span]:
+    def _spans(
+        self, looks: Mapping[int, tuple[NDArray, NDArray]], samples: SampleStore, footage: Footage
+    ) -> list[Span]:
         """Where looks differ, in order; of a longer lag only what no shorter one explains."""
         spans: list[Span] = []
         for lag in self.lags:
@@ -188,7 +191,7 @@ class Stillness:
             joined.append(span)
         return joined
 
-    def _left(self, span: Span, samples: Samples, *, around: int = 8) -> bool:
+    def _left(self, span: Span, samples: SampleStore, *, around: int = 8) -> bool:
         """Whether the lamp left its place: no look before the span shows the same view as any look after it."""
         if span.everywhere:
             return True
@@ -203,7 +206,7 @@ class Stillness:
             return False
         return not drift(shifts, found=self.still)[0] > DRIFT_PX
 
-    def _timed(self, span: Span, earliest: int, latest: int, samples: Samples, footage: Footage) -> Movement:
+    def _timed(self, span: Span, earliest: int, latest: int, samples: SampleStore, footage: Footage) -> Movement:
         """The span's start and stop to the frame, looked for between the samples ``earliest`` and ``latest``."""
         frames, rate = samples.frames, float(footage.rate)
         low, high = frames[earliest], frames[latest] if latest < len(frames) - 1 else footage.frames - 1
@@ -224,7 +227,7 @@ class Stillness:
         return Movement(FrameRange(max(first, 0), min(last, footage.frames)), confidence)
 
 
-def _textures(samples: Samples, position: int) -> dict[str, Grey]:
+def _textures(samples: SampleStore, position: int) -> dict[str, Grey]:
     return {name: texture(p) for name, p in samples[position].pictures.items() if p is not None}
 
 

@@ -15,18 +15,19 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
-from ..compositor import Compositor
-from ..coverage import Coverage
-from ..decisions import placed, resolve
-from ..edl import Edl, Pose
-from ..footage import Footage
-from ..images import planes_to_bgr
-from ..placement import programme_matrix
-from ..progress import Progress
-from ..reduced import reduced, reduced_filler, reduced_size
-from ..scene import scaling
-from ..scores import ScoreTable
-from ..timing import FrameRange
+from mcsl_core.compositing.compositor import Compositor
+from mcsl_core.compositing.coverage import Coverage
+from mcsl_core.compositing.placement import programme_matrix
+from mcsl_core.compositing.proxy import reduced, reduced_filler, reduced_size
+from mcsl_core.edl import Edl, Pose
+from mcsl_core.edl.placement import placement_matrix
+from mcsl_core.edl.resolve import resolve
+from mcsl_core.imaging.geometry import scaling
+from mcsl_core.imaging.planes import planes_to_bgr
+from mcsl_core.occlusion.score_table import ScoreTable
+from mcsl_core.progress import Progress
+from mcsl_core.recording.footage import Footage
+from mcsl_core.timing import FrameRange
 
 WIDTH = 480  # of the pictures: sharp enough to see a ghost of two pixels in 640, 20 to 40 kB each
 _QUALITY = 80
@@ -94,7 +95,7 @@ def _of_pose(
     coverage: Coverage,
 ) -> PosePictures:
     plain = {name: scaling((p.shape[1], p.shape[0]), edl.size) for name, p in pictures.items()}
-    tied = [name for name in pictures if placed(edl, pose, name) is not None]
+    tied = [name for name in pictures if placement_matrix(edl, pose, name) is not None]
     aligned = {name: programme_matrix(edl, pose, name) for name in tied}
     camera = next(decision.camera for piece, decision in resolve(edl) if frame in piece)
     shares = {name: float(share.mean()) for name, share in coverage.shares(frame).items()}

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from attrs import frozen
 
-from ..figures import FIGURES, Evaluation, Measured, Steadiness
+from mcsl_core.evaluation.results import FIGURES, Evaluation, Measured, Steadiness
 
 
 @frozen

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from . import tools
+from mcsl_core.simulation import tools
+
 from .scenario import Scenario
 from .solids import PLASTIC, STEEL, Clay, Material, Sprite, softened
 

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsl_core.images import BGR_TO_YUV, Planes
+from mcsl_core.imaging.planes import BGR_TO_YUV, Planes
 
 NEAREST_MM = 40.0
 """Nothing is drawn nearer to a camera than this."""

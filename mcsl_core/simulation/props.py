@@ -6,7 +6,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from . import tools
+from mcsl_core.simulation import tools
+
 from .paint import clouds, smoothstep
 from .scenario import Scenario
 from .solids import CABLE, PLASTIC, Clay, Material, Sprite

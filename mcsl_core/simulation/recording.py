@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsl_core.errors import Cancelled, InputError
+from mcsl_core.media.writing import Encoding, VideoWriter
 from mcsl_core.progress import Progress
-from mcsl_core.video import Encoding, VideoWriter
 
 from .clocks import Clock, clocks, frame_counts
 from .ground import Ground

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsl_core.images import Planes
+from mcsl_core.imaging.planes import Planes
 
 from .backdrop import Backdrop
 from .clocks import Clock

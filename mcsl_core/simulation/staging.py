@@ -13,7 +13,8 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from . import actors
+from mcsl_core.simulation import actors
+
 from .rig import LampPose, Rig, cross, unit
 from .scenario import Scenario
 from .schedule import LampPath, Person, Progression, Worker, ease, lamp_path, people, sway, workers

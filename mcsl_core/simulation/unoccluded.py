@@ -6,7 +6,7 @@ import attrs
 import cv2
 import numpy as np
 
-from mcsl_core.images import Planes
+from mcsl_core.imaging.planes import Planes
 
 from .backdrop import Backdrop
 from .ground import Ground

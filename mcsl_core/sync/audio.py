@@ -16,10 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage, signal
 
-from ..edl import Clock
-from ..footage import Footage
-from ..progress import Progress
-from .agreement import MOST_DRIFT, Found, Refusal, length_s, robust_line
+from mcsl_core.edl import Clock
+from mcsl_core.progress import Progress
+from mcsl_core.recording.footage import Footage
+
+from .clock_fit import MOST_DRIFT, Found, Refusal, length_s, robust_line
 
 Floats = NDArray[np.float64]
 

@@ -25,11 +25,13 @@ from attrs import frozen
 from numpy.typing import NDArray
 from scipy import ndimage, signal
 
-from ..edl import Clock
-from ..footage import Footage
-from ..progress import Progress
-from ..video import VideoReader, to_planes
-from .agreement import Found, Refusal, length_s, robust_line
+from mcsl_core.edl import Clock
+from mcsl_core.media.frames import to_planes
+from mcsl_core.media.reading import VideoReader
+from mcsl_core.progress import Progress
+from mcsl_core.recording.footage import Footage
+
+from .clock_fit import Found, Refusal, length_s, robust_line
 
 Floats = NDArray[np.float64]
 

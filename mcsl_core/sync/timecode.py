@@ -15,11 +15,12 @@ from math import ceil
 import numpy as np
 from attrs import frozen
 
-from ..edl import Clock
-from ..footage import Footage
-from ..playhead import Part
-from ..progress import Progress
-from .agreement import MOST_DRIFT, Found, Refusal, length_s
+from mcsl_core.edl import Clock
+from mcsl_core.progress import Progress
+from mcsl_core.recording.decoder import Part
+from mcsl_core.recording.footage import Footage
+
+from .clock_fit import MOST_DRIFT, Found, Refusal, length_s
 
 _LABEL = re.compile(r"(\d{1,2}):(\d{2}):(\d{2})([:;.,])(\d{2,3})")
 DAY_S = 86400

@@ -11,10 +11,10 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from conftest import in_blender
+from blender_recording import in_blender
 
 from mcsl_core import __version__
-from mcsl_core.blender import find
+from mcsl_core.blender.installation import find
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
@@ -162,13 +162,13 @@ def test_without_mcsl_it_names_the_one_command_that_installs_it(built, blender, 
 def test_the_log_warns_when_a_file_shows_other_than_it_decides(project, blender, package, tmp_path):
     """Edited without the extension, opened with it: what no longer holds falls away, and the log says so."""
     from mcsl_core import edl as edls
-    from mcsl_core.conform import conform, default_folder
-    from mcsl_core.timeline import build
+    from mcsl_core.blender.timeline import build_timeline
+    from mcsl_core.delivery.conform import conform, default_folder
 
     edl = project / "edl.json"
     conform(edls.load(edl), project, default_folder(edl), jobs=1)
     built = project / "edit.blend"
-    assert build(edl, built, blender=blender)["conformed"] == 1
+    assert build_timeline(edl, built, blender=blender)["conformed"] == 1
     in_blender(blender, built, "at(5, 10).multicam_source = 2")
     code = f"""
     bpy.ops.wm.open_mainfile(filepath={str(built)!r})

@@ -12,9 +12,10 @@ import attrs
 import pytest
 
 from mcsl_core import edl as document
-from mcsl_core.analysis import AnalysisSettings, analyse
+from mcsl_core.analysis.pipeline import analyse
+from mcsl_core.analysis.settings import AnalysisSettings
 from mcsl_core.edl import Shot
-from mcsl_core.plugins import discover
+from mcsl_core.hooks.registry import discover
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import Scenario, simulate
 from mcsl_core.timing import FrameRange

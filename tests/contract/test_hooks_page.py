@@ -15,7 +15,7 @@ import pytest
 from hooks_page import blocks, shown_plugins, write_package
 
 from mcsl_core import edl
-from mcsl_core.plugins import discover
+from mcsl_core.hooks.registry import discover
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import Scenario, simulate
 
@@ -43,7 +43,7 @@ def test_every_plugin_of_the_page_is_found_by_its_name() -> None:
 def test_the_table_of_the_page_is_what_comes_with_mcsl() -> None:
     from hooks_page import PAGE
 
-    from mcsl_core.stages import STAGES
+    from mcsl_core.hooks.stages import STAGES
 
     for stage, kind in STAGES.items():
         names = ", ".join(f"`{o.name}`" for o in discover(entry_points=False).offers if o.stage == stage)

@@ -17,19 +17,21 @@ import pytest
 from hooks_page import shown_plugins
 from lamp_video import write_lamp
 
-from mcsl_core.alignment import Alignment, Correspondences, apply
-from mcsl_core.centering import FieldPlace
-from mcsl_core.compositor import Compositor
+from mcsl_core.alignment.aligned_views import AlignedPose
+from mcsl_core.alignment.correspondences import Correspondences
+from mcsl_core.alignment.protocol import Alignment
+from mcsl_core.centering.protocol import FieldPlace
+from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.edl import Camera, Edl, Look, Media, Pose, Shot
-from mcsl_core.footage import Footage
-from mcsl_core.images import Planes
-from mcsl_core.plugins import Offer, discover
+from mcsl_core.hooks.registry import Offer, discover
+from mcsl_core.imaging.geometry import transform_points
+from mcsl_core.imaging.planes import Planes
+from mcsl_core.media.writing import Encoding, VideoWriter
+from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.progress import Silent
-from mcsl_core.samples import Samples
-from mcsl_core.scene import Scene
-from mcsl_core.scores import ScoreTable
+from mcsl_core.recording.footage import Footage
+from mcsl_core.recording.sample_store import SampleStore
 from mcsl_core.timing import FrameRange, check_tiles
-from mcsl_core.video import Encoding, VideoWriter
 
 ALL = discover(shown_plugins()).offers
 
@@ -59,13 +61,13 @@ def cloth(seed: int, size: tuple[int, int] = (480, 270)) -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
-def lamp_films(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Samples, Footage]]:
+def lamp_films(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[SampleStore, Footage]]:
     """Films of 36 s: on one the lamp moves from 24 to 25.5 s, on the other it stands; heads pass on both."""
     films = {}
     for name, way in (("moved", lambda t: min(max((t - 24) / 1.5, 0), 1)), ("stood", lambda t: 0.0)):
         folder = tmp_path_factory.mktemp(name)
         footage = write_lamp(folder, way, seconds=36, heads=0.12, far_px=120, seed=2)
-        films[name] = Samples.record(footage, folder / "samples", Silent()), footage
+        films[name] = SampleStore.record(footage, folder / "samples", Silent()), footage
     return films
 
 
@@ -94,7 +96,7 @@ def test_movement_detectors_find_what_moves_and_nothing_else(offer: Offer, lamp_
 @pytest.mark.parametrize("seconds", [0.2, 1.5])
 def test_movement_detectors_take_a_recording_of_one_or_two_looks(offer: Offer, tmp_path, seconds: float) -> None:
     footage = write_lamp(tmp_path, lambda t: 0.0, seconds=seconds)
-    with closing(Samples.record(footage, tmp_path / "samples", Silent())) as samples:
+    with closing(SampleStore.record(footage, tmp_path / "samples", Silent())) as samples:
         assert offer.checked.detect(samples, footage, Silent()).movements == ()
 
 
@@ -112,7 +114,7 @@ def test_matchers_find_the_same_places(offer: Offer, turn_deg: float) -> None:
     for column, features in ((0, a), (1, b)):
         assert len(set(pairs[:, column].tolist())) == len(pairs), "a point is matched twice"
         assert pairs[:, column].max() < len(features.points)
-    error = np.hypot(*(apply(turn, a.points[pairs[:, 0]].astype(float)) - b.points[pairs[:, 1]]).T)
+    error = np.hypot(*(transform_points(turn, a.points[pairs[:, 0]].astype(float)) - b.points[pairs[:, 1]]).T)
     assert (error < 3).mean() > 0.7
     again = matcher.match(matcher.features(picture), matcher.features(turned))
     np.testing.assert_array_equal(again, pairs)
@@ -179,7 +181,7 @@ class ReliefScene:
         """rms over the field of a homography to the reference, over that of the best plane (OpenCV's least squares)."""
         source, target = (self.seen(name, self.field) for name in (camera, reference))
         best, _ = cv2.findHomography(source, target, 0)
-        rms = [np.sqrt(np.square(apply(h, source) - target).sum(axis=1).mean()) for h in (homography, best)]
+        rms = [np.sqrt(np.square(transform_points(h, source) - target).sum(axis=1).mean()) for h in (homography, best)]
         return float(rms[0] / rms[1])
 
 
@@ -246,7 +248,7 @@ def test_aligners_say_the_same_again_and_leave_what_they_are_handed(offer: Offer
             np.testing.assert_array_equal(getattr(pair, column), getattr(same.pairs[key], column))
 
 
-def field_scene() -> tuple[Scene, np.ndarray]:
+def field_scene() -> tuple[AlignedPose, np.ndarray]:
     """A red field on green cloth seen alike by three cameras; (scene, picture)."""
     size = (480, 270)
     field = np.zeros((270, 480), np.uint8)
@@ -254,7 +256,7 @@ def field_scene() -> tuple[Scene, np.ndarray]:
     picture = cloth(5)
     picture[field > 0] = (50, 60, 190) + (cloth(6)[field > 0] // 8)
     cameras = ("cam1", "cam2", "cam3")
-    scene = Scene(size, "cam1", {c: np.eye(3) for c in cameras}, dict.fromkeys(cameras, size), field.astype(bool))
+    scene = AlignedPose(size, "cam1", {c: np.eye(3) for c in cameras}, dict.fromkeys(cameras, size), field.astype(bool))
     return scene, picture
 
 
@@ -330,7 +332,7 @@ def test_centerers_leave_a_recording_without_a_field_alone(offer: Offer) -> None
 
 
 def test_every_stage_has_its_default() -> None:
-    from mcsl_core.stages import STAGES
+    from mcsl_core.hooks.stages import STAGES
 
     for stage in STAGES:
         assert discover().choose(stage).name == STAGES[stage].default

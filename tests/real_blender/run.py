@@ -35,7 +35,7 @@ import chroot
 from chroot import DOOR, Bound
 
 from mcsl_core import edl as edls
-from mcsl_core.images import psnr
+from mcsl_core.imaging.psnr import psnr
 
 ROOT = Path(__file__).resolve().parents[2]
 STEPS = ("install", "desk", "conform", "render", "window")

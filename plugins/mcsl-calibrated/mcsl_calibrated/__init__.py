@@ -21,9 +21,11 @@ import numpy as np
 from attrs import field, frozen
 from numpy.typing import NDArray
 
-from mcsl_core.alignment import Alignment, Correspondences, apply
+from mcsl_core.alignment.correspondences import Correspondences
+from mcsl_core.alignment.protocol import Alignment
 from mcsl_core.edl import Weak
-from mcsl_core.hookspecs import hookimpl
+from mcsl_core.hooks.specs import hookimpl
+from mcsl_core.imaging.geometry import transform_points
 
 from .calibration import Calibration, calibrate, project
 from .tracks import CELL_PX, Array, CalibrationSettings, Tracks, build_tracks, true_matches
@@ -177,7 +179,14 @@ def _quality(
     apart, weights, ends = [np.zeros(0)], [np.zeros(0)], [np.zeros((0, 2))]
     for (a, b), pair in kept.items():
         if camera in (a, b) and names[a] in homographies and names[b] in homographies:
-            apart.append(np.hypot(*(apply(homographies[names[a]], pair.a) - apply(homographies[names[b]], pair.b)).T))
+            apart.append(
+                np.hypot(
+                    *(
+                        transform_points(homographies[names[a]], pair.a)
+                        - transform_points(homographies[names[b]], pair.b)
+                    ).T
+                )
+            )
             weights.append(pair.weight)
             ends.append(pair.a if camera == a else pair.b)
     off, weight, points = np.concatenate(apart), np.concatenate(weights), np.concatenate(ends)

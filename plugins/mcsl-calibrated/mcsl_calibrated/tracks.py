@@ -8,7 +8,7 @@ import numpy as np
 from attrs import evolve, field, frozen
 from numpy.typing import NDArray
 
-from mcsl_core.alignment import Correspondences
+from mcsl_core.alignment.correspondences import Correspondences
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]

@@ -13,8 +13,8 @@ import pytest
 from mcsl_calibrated.calibration import calibrate
 from mcsl_calibrated.tracks import CalibrationSettings, build_tracks
 
-from mcsl_core.alignment import Correspondences
-from mcsl_core.plugins import discover
+from mcsl_core.alignment.correspondences import Correspondences
+from mcsl_core.hooks.registry import discover
 
 SIZE = (960, 540)
 

@@ -1,6 +1,6 @@
 """A filler that holds: where the chosen camera sees nothing, the last picture of that place stays, unblurred.
 
-One camera's picture and its own past, nobody else's: what the viewer sees beside the chosen view is always something
+One camera's picture and its own past, nobody else's: what the viewer sees beside the chosen context is always something
 that he saw there before, never what is behind it now. What nobody ever showed is black.
 """
 
@@ -9,9 +9,9 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from mcsl_core.filling import View
-from mcsl_core.hookspecs import hookimpl
-from mcsl_core.images import U8, Planes
+from mcsl_core.filling.protocol import FillContext
+from mcsl_core.hooks.specs import hookimpl
+from mcsl_core.imaging.planes import U8, Planes
 
 # Of the footprint's border, in chroma samples: there the warp has mixed the picture with black.
 _BORDER = np.ones((3, 3), np.uint8)
@@ -29,15 +29,15 @@ class HoldFiller:
     version = 1
     remembers = True
 
-    def fill(self, view: View) -> Planes:
+    def fill(self, context: FillContext) -> Planes:
         """The frame before, and over it what the chosen camera shows now."""
-        if view.previous is None:
-            return view.front
-        mask = cv2.erode(view.footprint(view.camera), _BORDER, borderType=cv2.BORDER_REPLICATE)
+        if context.previous is None:
+            return context.front
+        mask = cv2.erode(context.footprint(context.camera), _BORDER, borderType=cv2.BORDER_REPLICATE)
         if mask.all():
-            return view.front
+            return context.front
         full = cv2.resize(mask, None, fx=2, fy=2, interpolation=cv2.INTER_NEAREST)
-        return Planes(*(_over(*p) for p in zip(view.previous, view.front, (full, mask, mask), strict=True)))
+        return Planes(*(_over(*p) for p in zip(context.previous, context.front, (full, mask, mask), strict=True)))
 
 
 def _over(before: U8, now: U8, mask: np.ndarray) -> U8:

@@ -15,11 +15,11 @@ import cv2
 import numpy as np
 from attrs import evolve, field, frozen
 
-from mcsl_core.consensus import Cut
+from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView
 from mcsl_core.errors import UsageError
-from mcsl_core.hookspecs import hookimpl
-from mcsl_core.occlusion import main_region
-from mcsl_core.scene import Mask, Scene, View
+from mcsl_core.hooks.specs import hookimpl
+from mcsl_core.imaging.masks import Mask, main_region
+from mcsl_core.occlusion.consensus import Cut
 
 from .features import REACH, Box, Float, Seen, Usual, backgrounds, features, seen_of, usual_of, whole
 from .model import Model
@@ -42,7 +42,7 @@ class LearnedOcclusion:
         """Loads the model, so that one that is missing or wrong is refused before any work is done."""
         chosen_model()
 
-    def scorer(self, scene: Scene, moments: Sequence[Sequence[View]]) -> LearnedScorer:
+    def scorer(self, scene: AlignedPose, moments: Sequence[Sequence[AlignedView]]) -> LearnedScorer:
         """A scorer for the stretch of a pose that ``moments`` were taken from."""
         model, cut = chosen_model(), whole(scene)
         usual = usual_of(backgrounds(scene, moments)) if len(moments) else {}
@@ -80,13 +80,13 @@ class LearnedScorer:
         usual = {name: view.part(box) for name, view in self.usual.items()}
         return LearnedScorer(self.model, self.cut, usual, self.place[box], box)
 
-    def score(self, views: Sequence[View]) -> Mapping[str, float]:
+    def score(self, views: Sequence[AlignedView]) -> Mapping[str, float]:
         """camera -> visible share of the field, 0..1."""
         area = max(int(self.place.sum()), 1)
         visible = self.visible(views)
         return {name: float(np.count_nonzero(self.place & mask)) / area for name, mask in visible.items()}
 
-    def visible(self, views: Sequence[View]) -> dict[str, Mask]:
+    def visible(self, views: Sequence[AlignedView]) -> dict[str, Mask]:
         """camera -> (h, w) bool in the box: where nothing is in the way."""
         seen = self._seen(views)
         way = self.model.classes.index("in the way")
@@ -95,7 +95,7 @@ class LearnedScorer:
             for name, shares in self._shares(seen).items()
         }
 
-    def field(self, moments: Sequence[Sequence[View]]) -> Mask:
+    def field(self, moments: Sequence[Sequence[AlignedView]]) -> Mask:
         """(h, w) bool: where the field lies, by all views of some moments; what is in the way has no vote."""
         shown, elsewhere = (np.zeros(self.place.shape, np.float32) for _ in range(2))
         for views in moments:
@@ -105,7 +105,7 @@ class LearnedScorer:
                 elsewhere += shares[..., self.model.classes.index("elsewhere")] * seen[name].inside
         return main_region(cv2.blur(shown, (5, 5)) > cv2.blur(elsewhere, (5, 5)))
 
-    def _seen(self, views: Sequence[View]) -> dict[str, Seen]:
+    def _seen(self, views: Sequence[AlignedView]) -> dict[str, Seen]:
         return {
             name: Seen(np.ascontiguousarray(view.picture[self.box]), view.inside[self.box])
             for name, view in seen_of(views, self.cut).items()

@@ -7,9 +7,12 @@ from pathlib import Path
 
 import click
 
-from mcsl_core import analysis, edl, plugins
+from mcsl_core import edl
+from mcsl_core.analysis.pipeline import analyse
+from mcsl_core.analysis.settings import AnalysisSettings
+from mcsl_core.cli.output import Session
 from mcsl_core.errors import Cancelled, McslError, UsageError
-from mcsl_core.session import Session
+from mcsl_core.hooks import registry as plugins
 
 PATH = click.Path(path_type=Path)
 
@@ -47,10 +50,10 @@ def export(session: Session, source: tuple[Path, ...], out: Path, frames: int) -
             document, base = edl.load(source[0]), source[0].parent
         else:
             base = out / "analysis"
-            document = analysis.analyse(
+            document = analyse(
                 source,
                 base / "edl.json",
-                settings=analysis.AnalysisSettings(),
+                settings=AnalysisSettings(),
                 plugins=plugins.discover(),
                 progress=progress,
             )

@@ -13,8 +13,9 @@ import numpy as np
 from attrs import evolve, frozen
 from numpy.typing import NDArray
 
-from mcsl_core.consensus import Consensus, Cut
-from mcsl_core.scene import Array, Mask, Picture, Scene, View
+from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView, Array, Picture
+from mcsl_core.imaging.masks import Mask
+from mcsl_core.occlusion.consensus import Consensus, Cut
 
 Float = NDArray[np.float32]
 Box = tuple[slice, slice]  # rows and columns
@@ -76,19 +77,19 @@ class Usual:
         )  # fmt: skip
 
 
-def whole(scene: Scene) -> Cut:
+def whole(scene: AlignedPose) -> Cut:
     """All of the scene, halved."""
     return Cut(0, scene.size[1], 0, scene.size[0])
 
 
-def seen_of(views: Sequence[View], cut: Cut) -> dict[str, Seen]:
+def seen_of(views: Sequence[AlignedView], cut: Cut) -> dict[str, Seen]:
     """The views of a moment in cut pixels."""
     return {v.camera: Seen(cut.picture(v.aligned), cut.mask(v.inside)) for v in views}
 
 
-def backgrounds(scene: Scene, moments: Sequence[Sequence[View]], *, count: int = 40) -> dict[str, Seen]:
+def backgrounds(scene: AlignedPose, moments: Sequence[Sequence[AlignedView]], *, count: int = 40) -> dict[str, Seen]:
     """Every view with nothing before it, by agreement of the views (mcsl's `consensus`), all over the scene."""
-    everywhere = Scene(
+    everywhere = AlignedPose(
         scene.size, scene.reference, scene.homographies, scene.camera_sizes, np.ones(scene.field.shape, bool)
     )
     agreed = Consensus(moments=count).scorer(everywhere, moments).background
@@ -124,7 +125,7 @@ def usual_of(behind: Mapping[str, Seen]) -> dict[str, Usual]:
     return found
 
 
-def to_cut(scene: Scene, camera: str, picture_size: tuple[int, int]) -> Array:
+def to_cut(scene: AlignedPose, camera: str, picture_size: tuple[int, int]) -> Array:
     """3x3: pixel of a reduced picture of ``camera`` -> cut pixel. Halved by area: pixel i covers 2i and 2i + 1."""
     cut = whole(scene)
     x, y = (full / half for full, half in zip(scene.size, cut.size, strict=True))

@@ -16,12 +16,13 @@ from attrs import frozen
 from numpy.typing import NDArray
 
 from mcsl_core import edl
-from mcsl_core.consensus import Cut
+from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView, Picture
 from mcsl_core.documents import write_atomic
 from mcsl_core.errors import InputError
-from mcsl_core.footage import Footage
+from mcsl_core.imaging.geometry import size_at_columns
+from mcsl_core.occlusion.consensus import Cut
 from mcsl_core.progress import Progress
-from mcsl_core.scene import Picture, Scene, View, at_columns
+from mcsl_core.recording.footage import Footage
 from mcsl_core.timing import FrameRange
 
 from .features import Seen, backgrounds, seen_of, to_cut, whole
@@ -89,8 +90,8 @@ def export(document: edl.Edl, base: Path, out: Path, *, frames: int, progress: P
 
 def write_frames(
     out: Path,
-    scene: Scene,
-    moments: Sequence[Sequence[View]],
+    scene: AlignedPose,
+    moments: Sequence[Sequence[AlignedView]],
     frames: Sequence[int],
     *,
     count: int,
@@ -129,7 +130,7 @@ def write_frames(
     return written
 
 
-def _covered(camera: str, moments: Sequence[Sequence[View]], behind: Mapping[str, Seen], cut: Cut) -> NDArray:
+def _covered(camera: str, moments: Sequence[Sequence[AlignedView]], behind: Mapping[str, Seen], cut: Cut) -> NDArray:
     """(moments,) how far the camera's picture is from its usual look, NaN without picture."""
     found = np.full(len(moments), np.nan)
     for i, views in enumerate(moments):
@@ -158,11 +159,11 @@ def _windows(document: edl.Edl) -> list[tuple[edl.Pose, FrameRange]]:
     return windows
 
 
-def _scene(document: edl.Edl, pose: edl.Pose) -> Scene:
+def _scene(document: edl.Edl, pose: edl.Pose) -> AlignedPose:
     sizes = {c.name: c.size for c in document.cameras}
-    size = at_columns(sizes[document.reference], COLUMNS)
+    size = size_at_columns(sizes[document.reference], COLUMNS)
     tied = {c: np.array(h) for c, h in pose.homographies.items() if c not in pose.weak_cameras}
-    return Scene(size, document.reference, tied, sizes, np.ones((size[1], size[0]), bool))
+    return AlignedPose(size, document.reference, tied, sizes, np.ones((size[1], size[0]), bool))
 
 
 def save_arrays(path: Path, arrays: Mapping[str, NDArray]) -> None:

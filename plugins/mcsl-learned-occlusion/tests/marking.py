@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from mcsl_learned_occlusion.labelling import PAINT, read_png, save_png, write_frames
 
-from mcsl_core.scene import Scene, View
+from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView
 
 SIZE = (480, 270)
 CAMERAS = ("cam1", "cam2", "cam3")
@@ -38,9 +38,9 @@ class Operation:
         self.still[self.field > 0] = flesh[self.field > 0]
         turn = np.array([[-1.0, 0, SIZE[0] - 1], [0, -1, SIZE[1] - 1], [0, 0, 1]])
         homographies = {"cam1": np.eye(3), "cam2": turn, "cam3": np.eye(3)}
-        self.scene = Scene(SIZE, "cam1", homographies, dict.fromkeys(CAMERAS, SIZE), self.field > 0)
+        self.scene = AlignedPose(SIZE, "cam1", homographies, dict.fromkeys(CAMERAS, SIZE), self.field > 0)
 
-    def moment(self) -> tuple[tuple[View, ...], dict[str, np.ndarray]]:
+    def moment(self) -> tuple[tuple[AlignedView, ...], dict[str, np.ndarray]]:
         """The views, and camera -> (H, W) bool in scene pixels, what something hides from it."""
         pictures, hidden = {}, {}
         for camera in CAMERAS:

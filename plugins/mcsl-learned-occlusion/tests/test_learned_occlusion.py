@@ -19,11 +19,11 @@ from mcsl_learned_occlusion.model import CLASSES, Model
 from mcsl_learned_occlusion.training import Training, train
 
 from mcsl_core import edl
+from mcsl_core.analysis.cache import identity
 from mcsl_core.errors import InputError, UsageError
-from mcsl_core.plugins import discover
+from mcsl_core.hooks.registry import discover
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import Scenario, simulate
-from mcsl_core.stage_cache import identity
 
 SKIN = (55, 95, 165)  # a drape of the skin's hue: 11 of OpenCV's 180
 QUICK = Training(rounds=10, folds=3)

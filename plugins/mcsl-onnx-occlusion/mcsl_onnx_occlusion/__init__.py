@@ -16,10 +16,10 @@ import cv2
 import numpy as np
 from attrs import field, frozen
 
+from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView
 from mcsl_core.errors import UsageError
-from mcsl_core.hookspecs import hookimpl
-from mcsl_core.occlusion import main_region
-from mcsl_core.scene import Mask, Scene, View
+from mcsl_core.hooks.specs import hookimpl
+from mcsl_core.imaging.masks import Mask, main_region
 
 from .network import Map, Network
 
@@ -42,7 +42,7 @@ class OnnxOcclusion:
         """Loads the network, so that one that is missing or wrong is refused before any work is done."""
         chosen_network()
 
-    def scorer(self, scene: Scene, moments: Sequence[Sequence[View]]) -> OnnxScorer:
+    def scorer(self, scene: AlignedPose, moments: Sequence[Sequence[AlignedView]]) -> OnnxScorer:
         """A scorer for a stretch of a pose; of a network that knows the field, the field is where it says."""
         network = chosen_network()
         scorer = OnnxScorer(network, scene, scene.field)
@@ -68,15 +68,15 @@ class OnnxScorer:
     """Scores moments of one stretch of a pose. place: (H, W), the field in scene pixels."""
 
     network: Network
-    scene: Scene
+    scene: AlignedPose
     place: Mask
 
-    def score(self, views: Sequence[View]) -> Mapping[str, float]:
+    def score(self, views: Sequence[AlignedView]) -> Mapping[str, float]:
         """camera -> visible share of the field, 0..1."""
         area = max(int(self.place.sum()), 1)
         return {view.camera: float(np.count_nonzero(self.place & self.visible(view))) / area for view in views}
 
-    def visible(self, view: View) -> Mask:
+    def visible(self, view: AlignedView) -> Mask:
         """(H, W) bool in scene pixels: where nothing is in the way, by what the network knows of that.
 
         One that knows both is asked what is in the way: a wound's depth or a swab need not look like the field.
@@ -87,13 +87,13 @@ class OnnxScorer:
         assert maps.field is not None, "a description names one of them at least"
         return view.inside & self._laid(maps.field, view)
 
-    def field(self, view: View) -> Mask:
+    def field(self, view: AlignedView) -> Mask:
         """(H, W) bool in scene pixels: where the view shows the field."""
         probability = self.network.maps(view.picture).field
         assert probability is not None, "asked of networks that know the field only"
         return view.inside & self._laid(probability, view)
 
-    def _laid(self, probability: Map, view: View) -> Mask:
+    def _laid(self, probability: Map, view: AlignedView) -> Mask:
         warp = self.scene.warp_of(view.camera, (probability.shape[1], probability.shape[0]))
         laid = cv2.warpPerspective(probability, warp, self.scene.size, flags=cv2.INTER_LINEAR)
         return laid >= self.network.description.output.threshold

@@ -11,13 +11,14 @@ import pytest
 from mcsl_onnx_occlusion.description import read_description
 from mcsl_onnx_occlusion.network import Network
 
-from mcsl_core import analysis
+from mcsl_core.alignment.aligned_views import AlignedPose
+from mcsl_core.analysis.cache import identity
+from mcsl_core.analysis.pipeline import analyse
+from mcsl_core.analysis.settings import AnalysisSettings
 from mcsl_core.errors import DocumentError, InputError, UsageError
-from mcsl_core.plugins import discover
+from mcsl_core.hooks.registry import discover
 from mcsl_core.progress import Silent
-from mcsl_core.scene import Scene
 from mcsl_core.simulation import Scenario, simulate
-from mcsl_core.stage_cache import identity
 
 FIELD = '[output]\nmeaning = "sigmoid"\nfield = [0]\n'
 RED, GREEN, BLUE = (30, 30, 220), (40, 200, 40), (220, 60, 30)  # BGR
@@ -113,7 +114,7 @@ def test_what_is_in_the_way_is_laid_into_the_scene(tmp_path, use) -> None:
     turn = np.array([[-1.0, 0, 191], [0, -1, 127], [0, 0, 1]])
     field = np.zeros((128, 192), bool)
     field[32:96, 48:144] = True
-    scene = Scene((192, 128), "a", {"a": np.eye(3), "b": turn}, {"a": (192, 128), "b": (192, 128)}, field)
+    scene = AlignedPose((192, 128), "a", {"a": np.eye(3), "b": turn}, {"a": (192, 128), "b": (192, 128)}, field)
     blue_right = halves(GREEN, BLUE, (192, 128))
     views = scene.views({"a": halves(GREEN, GREEN, (192, 128)), "b": blue_right})
     scorer = plugin.OnnxOcclusion().scorer(scene, [views])
@@ -126,7 +127,7 @@ def test_what_is_in_the_way_is_laid_into_the_scene(tmp_path, use) -> None:
 def test_a_network_that_knows_the_field_says_where_it_lies(tmp_path, use) -> None:
     """The scene takes everything for the field, as hue does under a drape of the skin's colour."""
     use(described(networks.reddish(tmp_path / "net.onnx"), FIELD))
-    scene = Scene((192, 128), "a", {"a": np.eye(3)}, {"a": (192, 128)}, np.ones((128, 192), bool))
+    scene = AlignedPose((192, 128), "a", {"a": np.eye(3)}, {"a": (192, 128)}, np.ones((128, 192), bool))
     moments = [scene.views({"a": halves(RED, GREEN, (192, 128))})] * 4
     scorer = plugin.OnnxOcclusion().scorer(scene, moments)
     assert scorer.score(moments[0])["a"] > 0.99
@@ -233,12 +234,12 @@ def test_without_a_name_it_says_how_to_name_one(monkeypatch) -> None:
 def test_a_missing_network_is_told_before_any_work_is_done(tmp_path, monkeypatch) -> None:
     """Before the recording is even looked for."""
     monkeypatch.delenv(plugin.VARIABLE, raising=False)
-    settings = analysis.AnalysisSettings(stages={"occlusion": "onnx"})
+    settings = AnalysisSettings(stages={"occlusion": "onnx"})
     nowhere, out = [tmp_path / "none"], tmp_path / "edl.json"
     with pytest.raises(UsageError, match=r"mcsl-onnx-occlusion 0\.1\.0.*MCSL_ONNX_MODEL"):
-        analysis.analyse(nowhere, out, settings=settings, plugins=discover(), progress=Silent())
+        analyse(nowhere, out, settings=settings, plugins=discover(), progress=Silent())
     with pytest.raises(InputError, match="does not exist"):
-        analysis.analyse(nowhere, out, settings=analysis.AnalysisSettings(), plugins=discover(), progress=Silent())
+        analyse(nowhere, out, settings=AnalysisSettings(), plugins=discover(), progress=Silent())
 
 
 # ------------------------------------------------------------------------------------------------ the whole way
@@ -250,10 +251,10 @@ def test_a_whole_analysis_by_a_network_takes_cameras_that_see_the_field(tmp_path
     use(described(networks.reddish(tmp_path / "net.onnx", size=(320, 180)), FIELD))
     scenario = Scenario(seed=341, duration_s=24, size=(480, 270), rate=6, movements=0, audio=False, heads=4)
     truth = simulate(scenario, tmp_path / "recording", Silent())
-    made = analysis.analyse(
+    made = analyse(
         [tmp_path / "recording"],
         tmp_path / "edl.json",
-        settings=analysis.AnalysisSettings(stages={"occlusion": "onnx"}, sync="none", cache=False),
+        settings=AnalysisSettings(stages={"occlusion": "onnx"}, sync="none", cache=False),
         plugins=discover(),
         progress=Silent(),
     )

@@ -16,9 +16,9 @@ from attrs import field, frozen
 
 from mcsl_core.edl import Shot
 from mcsl_core.errors import InputError
-from mcsl_core.hookspecs import hookimpl
-from mcsl_core.scores import ScoreTable
-from mcsl_core.selection import sample_borders, shots_from
+from mcsl_core.hooks.specs import hookimpl
+from mcsl_core.occlusion.score_table import ScoreTable
+from mcsl_core.selection.selectors import sample_borders, shots_from
 
 from .planning import best_path
 from .style import CALM, CLOSE, TEACHING, Style, costs_of

@@ -17,9 +17,9 @@ from mcsl_switching_style.planning import best_path
 from mcsl_switching_style.style import costs_of
 
 from mcsl_core.errors import InputError, UsageError
-from mcsl_core.plugins import discover
-from mcsl_core.scores import ScoreTable
-from mcsl_core.selection import sample_borders
+from mcsl_core.hooks.registry import discover
+from mcsl_core.occlusion.score_table import ScoreTable
+from mcsl_core.selection.selectors import sample_borders
 
 RATE = 10
 

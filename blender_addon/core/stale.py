@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the conformed pictures still show what was decided, and how many seconds are outstanding. No bpy.
+
+A basis says, for every programme frame, what its exact picture was made from, as far as the EDL says it: the camera,
+the look, the centre, where the cameras lie, their colours, files and clocks. The timeline keeps the basis its conformed
+pictures were made for; where today's differs, they no longer hold. That goes by frames, not by files: of a file of ten
+seconds only the changed stretch falls away, and it comes back by itself when the decision does.
+
+What `mcsl conform` makes anew is decided by its own keys, which are stricter: a file is made again when anything in it
+changed, and where the fill takes from earlier pictures a change reaches some frames further. Those frames differ from
+the exact ones by fill alone until then.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from attrs import frozen
+
+from mcsl_core.documents import canonical_json
+from mcsl_core.edl import Edl, Pose
+from mcsl_core.edl.placement import placement_matrix
+from mcsl_core.edl.resolve import Decision, resolve
+from mcsl_core.timing import FrameRange, merge_equal
+
+Basis = tuple[tuple[FrameRange, str], ...]  # tiles the programme
+
+
+def basis_of(edl: Edl) -> Basis:
+    """What the exact pictures of ``edl`` are made from, frame by frame; a hash for each stretch of one answer."""
+    common = _digest([str(edl.rate), list(edl.size), edl.reference, _filler(edl)])
+    centering = _digest([list(key) for key in edl.centering])
+    views: dict[Any, str] = {}
+
+    def view(number: int, pose: Pose, decision: Decision) -> str:
+        key = (number, None if decision.fill else decision.camera, decision.colour)
+        if key not in views:
+            views[key] = _digest(_view(edl, pose, decision))
+        return views[key]
+
+    pieces = []
+    for stretch, decision in resolve(edl):
+        centre: Any = centering if decision.centering else None
+        if decision.centering and decision.offset is not None:
+            centre = list(decision.offset)
+        for number, pose in enumerate(edl.poses):
+            if (span := stretch.intersection(pose.range)) is None:
+                continue
+            facts = [common, decision.camera, centre, decision.fill, decision.colour, view(number, pose, decision)]
+            for part, eases in _eased(span, decision):  # a centre by hand glides in and out; between, it stands
+                pieces.append((part, _digest([*facts, centering, eases] if eases else facts)))
+    return tuple(merge_equal(pieces))
+
+
+def _eased(span: FrameRange, decision: Decision) -> list[tuple[FrameRange, str]]:
+    """``span`` cut where a glide begins or ends, and which glides there are in each part, as text."""
+    near = [e for e in decision.eases if e.range.intersection(span) is not None]
+    points = {span.start, span.stop}
+    points |= {p for e in near for p in (e.range.start, e.range.stop) if span.start < p < span.stop}
+    cuts = sorted(points)
+    parts = [FrameRange(a, b) for a, b in zip(cuts, cuts[1:], strict=False)]
+    return [(part, "".join(repr(e) for e in near if e.range.intersection(part))) for part in parts]
+
+
+def _view(edl: Edl, pose: Pose, decision: Decision) -> list[Any]:
+    """Where the pictures of a pose come from: with fill all cameras take part, else the shot's and the reference."""
+    facts = []
+    for camera in edl.cameras:
+        if not decision.fill and camera.name not in (decision.camera, edl.reference):
+            continue
+        place = placement_matrix(edl, pose, camera.name)
+        colour = pose.colour[camera.name].matrix if decision.colour and camera.name in pose.colour else None
+        media = [[media.path, media.frames, media.fingerprint] for media in camera.media]
+        clock = [camera.clock.offset_s, camera.clock.drift_ppm]
+        gaps = [[gap.start, gap.stop] for gap in camera.gaps]
+        facts.append([camera.name, media, list(camera.size), str(camera.rate), clock, gaps, place, colour])
+    return facts
+
+
+def _filler(edl: Edl) -> str:
+    return "" if edl.made_by is None else str(edl.made_by.plugins.get("filler", ""))
+
+
+def _digest(value: Any) -> str:
+    return hashlib.sha256(canonical_json(_plain(value)).encode()).hexdigest()[:12]
+
+
+def _plain(value: Any) -> Any:
+    return [_plain(v) for v in value] if isinstance(value, list | tuple) else value
+
+
+def to_text(basis: Basis) -> str:
+    """For the scene: [[stop, hash], ...], because the stretches tile from 0."""
+    return json.dumps([[stretch.stop, digest] for stretch, digest in basis])
+
+
+def from_text(text: str) -> Basis:
+    """The inverse of `to_text`; () for a text that is not of its making, so that nothing is taken to hold."""
+    pieces, start = [], 0
+    try:
+        for stop, digest in json.loads(text):
+            pieces.append((FrameRange(start, stop), str(digest)))
+            start = stop
+    except (ValueError, TypeError):
+        return ()
+    return tuple(pieces)
+
+
+def changed(now: Basis, then: Basis) -> tuple[FrameRange, ...]:
+    """Where the two differ, as few ranges as can be; where one of them ends early, the rest of the other."""
+    frames = max((basis[-1][0].stop for basis in (now, then) if basis), default=0)
+    differing, at, i, j = [], 0, 0, 0
+    while at < frames:
+        a = now[i] if i < len(now) else None
+        b = then[j] if j < len(then) else None
+        stop = min(piece[0].stop for piece in (a, b) if piece is not None)
+        if a is None or b is None or a[1] != b[1]:
+            differing.append((FrameRange(at, stop), True))
+        at = stop
+        i += a is not None and a[0].stop == at
+        j += b is not None and b[0].stop == at
+    return tuple(_joined(piece for piece, _ in differing))
+
+
+def _joined(pieces: Iterable[FrameRange]) -> list[FrameRange]:
+    """The same frames in as few ranges as can be, in order."""
+    result: list[FrameRange] = []
+    for piece in sorted(pieces):
+        if result and piece.start <= result[-1].stop:
+            result[-1] = FrameRange(result[-1].start, max(result[-1].stop, piece.stop))
+        else:
+            result.append(piece)
+    return result
+
+
+def without(pieces: Iterable[FrameRange], holes: Iterable[FrameRange]) -> tuple[FrameRange, ...]:
+    """The frames of ``pieces`` that no hole has, in as few ranges as can be."""
+    result: list[FrameRange] = []
+    gaps = _joined(holes)
+    for piece in _joined(pieces):
+        at = piece.start
+        for gap in _touching(gaps, piece):
+            if gap.start > at:
+                result.append(FrameRange(at, gap.start))
+            at = gap.stop
+        if at < piece.stop:
+            result.append(FrameRange(at, piece.stop))
+    return tuple(result)
+
+
+def _touching(ordered: Sequence[FrameRange], piece: FrameRange) -> Sequence[FrameRange]:
+    """Those of ``ordered`` (ranges in order that do not overlap) that share frames with ``piece``."""
+    first = bisect_right(ordered, piece.start, key=lambda other: other.stop)
+    return ordered[first : bisect_left(ordered, piece.stop, key=lambda other: other.start)]
+
+
+def outstanding(frames: int, covered: Iterable[FrameRange]) -> tuple[FrameRange, ...]:
+    """The stretches of the programme without an exact picture. covered: what conformed strips show that hold."""
+    return without([FrameRange(0, frames)], covered)
+
+
+@frozen
+class Part:
+    """A stretch of a conformed strip, and whether its pictures hold."""
+
+    range: FrameRange
+    holds: bool
+
+
+def parts(strip: FrameRange, gone: Sequence[FrameRange]) -> tuple[Part, ...]:
+    """A conformed strip cut at what is ``gone`` (as `changed` gives it): its stretches in order."""
+    near = _touching(gone, strip)
+    keep = [Part(piece, True) for piece in without([strip], near)]
+    lost = [Part(piece, False) for piece in without([strip], [part.range for part in keep])]
+    return tuple(sorted([*keep, *lost], key=lambda part: part.range))

@@ -1,0 +1,353 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""EDL -> StripPlan: everything that stands in the sequencer, as plain values. No bpy; the decisions are made here.
+
+Frames are programme frames (0 is the first); `strips.py` adds Blender's 1. Channels bottom up: audio, the cameras
+with the reference camera last, Programme, Centering, Conformed; above is the editor's own. Offsets are in programme
+pixels, x right and y up as Blender has them. The way back is `readback.py`.
+
+A camera's clock drift is not in the preview: the start of each of its files is exact to the frame, within a file
+12 ppm come to one frame of 30 after 46 minutes. Conformed pictures follow the drift.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterable, Sequence
+from fractions import Fraction
+from itertools import pairwise
+from math import ceil
+
+import attrs
+from attrs import field, frozen
+
+from mcsl_core.edl import Camera, Edl, Matrix, Pose
+from mcsl_core.edl.placement import correction_of, fit_matrix, multiply, placement_matrix
+from mcsl_core.edl.resolve import Decision, offset_at, resolve, shift_at
+from mcsl_core.timing import FrameRange, merge_equal
+
+from .similarity import Transform, closest, fitted, matrix_of, transform_of
+
+TIMELINE_SCHEMA = "mcsl.timeline/1"
+AUDIO_CHANNEL = 1
+FIRST_CAMERA_CHANNEL = 2
+
+
+@frozen
+class MoviePiece:
+    """A stretch of a camera file with one transform: one pose. planned: the transform without any correction."""
+
+    range: FrameRange
+    transform: Transform
+    planned: Transform
+
+
+@frozen
+class CameraFile:
+    """One file of a camera: its first picture stands at programme frame ``start``, which may lie before 0."""
+
+    path: str
+    start: int
+    frames: int
+    pieces: tuple[MoviePiece, ...]
+
+
+@frozen
+class CameraTrack:
+    """A camera's channel."""
+
+    camera: str
+    channel: int
+    files: tuple[CameraFile, ...]
+
+
+@frozen
+class ProgrammeStrip:
+    """One Multicam strip: a stretch of the programme as the EDL has it now, overrides included."""
+
+    id: str
+    range: FrameRange
+    camera: str
+    source: int
+    automatic: str
+    overridden: bool
+
+
+@frozen
+class OffsetKey:
+    """The Centering strip's offset at a frame; ``hold`` keeps it until the next key instead of moving towards it."""
+
+    frame: int
+    x: float
+    y: float
+    hold: bool = False
+
+
+@frozen
+class SoundPiece:
+    """A sound file whose first sample stands at programme frame ``start``."""
+
+    path: str
+    start: int
+
+
+@frozen
+class ConformedPiece:
+    """A file of exact programme pictures and where it stands."""
+
+    range: FrameRange
+    path: str
+
+
+@frozen
+class MarkerPlan:
+    """A marker and its text."""
+
+    frame: int
+    name: str
+
+
+@frozen
+class StripPlan:
+    """The whole timeline. Paths are as the EDL gives them: relative to the EDL's folder, or absolute."""
+
+    rate: Fraction
+    size: tuple[int, int]
+    frames: int
+    sound: tuple[SoundPiece, ...]
+    cameras: tuple[CameraTrack, ...]
+    programme_channel: int
+    programme: tuple[ProgrammeStrip, ...]
+    centering_channel: int
+    centering: tuple[OffsetKey, ...]
+    conformed_channel: int
+    conformed: tuple[ConformedPiece, ...]
+    markers: tuple[MarkerPlan, ...]
+    automatic: tuple[tuple[FrameRange, str], ...]
+    notes: tuple[str, ...] = ()
+
+
+def make_plan(edl: Edl, conformed: Iterable[ConformedPiece] = (), sound: str | None = None) -> StripPlan:
+    """The timeline of ``edl``. conformed: exact pictures to put in place; sound: the conformed sound from frame 0,
+    or None for the reference camera's own files.
+    """
+    order = [c for c in edl.cameras if c.name != edl.reference] + [edl.camera(edl.reference)]
+    channels = {camera.name: FIRST_CAMERA_CHANNEL + index for index, camera in enumerate(order)}
+    programme_channel = FIRST_CAMERA_CHANNEL + len(order)
+    tracks = tuple(CameraTrack(c.name, channels[c.name], _files(edl, c)) for c in order)
+    if sound is not None:
+        sounds: tuple[SoundPiece, ...] = (SoundPiece(sound, 0),)
+    else:
+        sounds = tuple(SoundPiece(file.path, file.start) for file in tracks[-1].files)
+    return StripPlan(
+        rate=edl.rate,
+        size=edl.size,
+        frames=edl.frames,
+        sound=sounds,
+        cameras=tracks,
+        programme_channel=programme_channel,
+        programme=_programme(edl, channels),
+        centering_channel=programme_channel + 1,
+        centering=_offset_keys(edl),
+        conformed_channel=programme_channel + 2,
+        conformed=tuple(sorted(conformed, key=lambda piece: piece.range)),
+        markers=_markers(edl),
+        automatic=automatic_cameras(edl),
+        notes=tuple(
+            f"{c.name} runs at {float(c.rate):.3f} frames/s, the programme at {float(edl.rate):.3f}: "
+            "its strips drift from the sound until the stretch is conformed"
+            for c in order
+            if c.rate != edl.rate
+        ),
+    )
+
+
+def automatic_cameras(edl: Edl) -> tuple[tuple[FrameRange, str], ...]:
+    """The analysis' choice by time, neighbours of one camera joined."""
+    return tuple(merge_equal([(shot.range, shot.camera) for shot in edl.shots]))
+
+
+def automatic_to_text(automatic: Sequence[tuple[FrameRange, str]]) -> str:
+    """For the scene: [[stop, camera], ...], because the pieces tile from 0."""
+    return json.dumps([[piece.stop, camera] for piece, camera in automatic], ensure_ascii=False)
+
+
+def automatic_from_text(text: str) -> tuple[tuple[FrameRange, str], ...]:
+    """The inverse of `automatic_to_text`; ValueError or TypeError when the text is not of its making."""
+    pieces, start = [], 0
+    for stop, camera in json.loads(text):
+        pieces.append((FrameRange(start, stop), str(camera)))
+        start = stop
+    return tuple(pieces)
+
+
+def tracks_key(tracks: Sequence[CameraTrack]) -> str:
+    """A hash of what the camera strips are made from, corrections apart: they are in the strips already."""
+    value = [
+        [
+            t.camera,
+            t.channel,
+            [[f.path, f.start, f.frames, [[str(p.range), p.planned] for p in f.pieces]] for f in t.files],
+        ]
+        for t in tracks
+    ]
+    return hashlib.sha256(repr(value).encode()).hexdigest()[:16]
+
+
+def first_frame(time_s: float, rate: Fraction) -> int:
+    """The first programme frame that begins at or after ``time_s``: there a picture of that time is first shown.
+
+    A millionth of a frame forgives the float: an offset of exactly 3 frames must not become 4.
+    """
+    return ceil(time_s * float(rate) - 1e-6)
+
+
+def _files(edl: Edl, camera: Camera) -> tuple[CameraFile, ...]:
+    """A camera's files one after another, each cut at the poses and to the programme, gaps left out."""
+    starts, played = [], 0
+    for media in camera.media:
+        starts.append(first_frame(camera.clock.programme_time(played / camera.rate), edl.rate))
+        played += media.frames
+    files = []
+    transforms = [(planned := planned_transform(edl, camera, p), corrected(edl, camera, p, planned)) for p in edl.poses]
+    for index, media in enumerate(camera.media):
+        stop = starts[index] + media.frames
+        if index + 1 < len(starts):
+            stop = min(stop, starts[index + 1])
+        pieces = []
+        for pose, (planned, shown) in zip(edl.poses, transforms, strict=True):
+            for start, end in _without(max(pose.range.start, starts[index]), min(pose.range.stop, stop), camera.gaps):
+                pieces.append(MoviePiece(FrameRange(start, end), shown, planned))
+        files.append(CameraFile(media.path, starts[index], media.frames, tuple(pieces)))
+    return tuple(files)
+
+
+def _without(start: int, stop: int, gaps: Iterable[FrameRange]) -> list[tuple[int, int]]:
+    """[start, stop) less the gaps, as ranges that are not empty."""
+    pieces, at = [], start
+    for gap in sorted(gaps):
+        pieces.append((at, min(gap.start, stop)))
+        at = max(at, gap.stop)
+    pieces.append((at, stop))
+    return [(a, b) for a, b in pieces if a < b]
+
+
+def camera_transform(edl: Edl, camera: Camera, pose: Pose) -> Transform:
+    """The strip transform that shows the camera in the programme, moved by the editor's correction if there is one."""
+    return corrected(edl, camera, pose, planned_transform(edl, camera, pose))
+
+
+def planned_transform(edl: Edl, camera: Camera, pose: Pose) -> Transform:
+    """The similarity nearest to the camera's way into the programme as analysed; a weak camera stands whole."""
+    matrix = placement_matrix(attrs.evolve(edl, corrections=()), pose, camera.name)
+    if matrix is None:
+        return fitted(camera.size, edl.size)
+    return closest(matrix, camera.size, edl.size, _field(edl, pose))
+
+
+def corrected(edl: Edl, camera: Camera, pose: Pose, planned: Transform) -> Transform:
+    """``planned`` moved by the correction that holds for the camera in ``pose``.
+
+    Not the similarity nearest to the corrected homography: the preview must move by just what the editor moved it.
+    """
+    correction = correction_of(edl, pose, camera.name)
+    if correction is None:
+        return planned
+    matrix = multiply(correction, base_matrix(edl, camera, pose, planned))
+    exact = transform_of(matrix, camera.size, edl.size)
+    return exact if exact is not None else closest(matrix, camera.size, edl.size, _field(edl, pose))
+
+
+def base_matrix(edl: Edl, camera: Camera, pose: Pose, planned: Transform) -> Matrix:
+    """Camera pixel -> programme pixel of the preview, to which a correction is applied.
+
+    For a weak camera it is not what ``planned`` shows but what `decisions.placed` starts from: edge on edge.
+    """
+    if camera.name not in pose.homographies:
+        return fit_matrix(camera.size, edl.size)
+    return matrix_of(planned, camera.size, edl.size)
+
+
+def _field(edl: Edl, pose: Pose) -> complex:
+    """The surgical field's middle in programme pixels: centering moves it to the middle, so it stands that far off."""
+    dx, dy = offset_at(edl.centering, (pose.range.start + pose.range.stop) / 2)
+    return complex((edl.size[0] - 1) / 2 - dx, (edl.size[1] - 1) / 2 - dy)
+
+
+def _programme(edl: Edl, channels: dict[str, int]) -> tuple[ProgrammeStrip, ...]:
+    shots = iter(edl.shots)
+    shot = next(shots)
+    strips = []
+    for stretch, decision in resolve(edl):
+        while stretch.start not in shot.range:
+            shot = next(shots)
+        strips.append(
+            ProgrammeStrip(
+                id=f"shot-{stretch.start:07d}",
+                range=stretch,
+                camera=decision.camera,
+                source=channels[decision.camera],
+                automatic=shot.camera,
+                overridden=decision.overridden,
+            )
+        )
+    return tuple(strips)
+
+
+def _offset_keys(edl: Edl) -> tuple[OffsetKey, ...]:
+    """The EDL's keys where centering is on, what was set by hand, zero where it is off; changes lie between two frames.
+
+    Off as well where a weak camera is shown: its picture stands whole, and the field's place in it is not known.
+    """
+    if not edl.centering and all(override.offset is None for override in edl.overrides):
+        return ()
+    states = merge_equal(
+        [
+            (
+                piece,
+                _Centring(decision.centering and placement_matrix(edl, pose, decision.camera) is not None, decision),
+            )
+            for stretch, decision in resolve(edl)
+            for pose in edl.poses
+            if (piece := stretch.intersection(pose.range))
+        ]
+    )
+    if len(states) == 1 and states[0][1].on and states[0][1].decision.offset is None:
+        return tuple(OffsetKey(frame, dx, 0.0 - dy) for frame, dx, dy in edl.centering)
+    frames = [frame for frame, _, _ in edl.centering]
+    keys: list[OffsetKey] = []
+    for stretch, state in states:
+        last = stretch.stop - 1
+        if not state.on:
+            keys.append(OffsetKey(stretch.start, 0.0, 0.0, hold=True))
+            continue
+        if state.decision.offset is None:
+            needed = {last, *frames[bisect_right(frames, stretch.start) : bisect_left(frames, last)]}
+        else:  # a smooth step is not linear: a key for each of its frames, and one on either side
+            eased = [e.range.intersection(FrameRange(stretch.start, stretch.stop)) for e in state.decision.eases]
+            needed = {n for e in eased if e for n in range(e.start - 1, e.stop + 1) if n in stretch}
+        shifts = [(n, shift_at(edl, state.decision, n)) for n in sorted({stretch.start, *needed})]
+        keys.extend(OffsetKey(n, dx, 0.0 - dy) for n, (dx, dy) in shifts)
+        keys[-1] = attrs.evolve(keys[-1], hold=True)
+    return tuple(keys)
+
+
+@frozen
+class _Centring:
+    """What the centering of a stretch depends on; equal where it goes on without a break."""
+
+    on: bool
+    decision: Decision = field(eq=lambda d: (d.offset, d.eases))
+
+
+def _markers(edl: Edl) -> tuple[MarkerPlan, ...]:
+    markers = []
+    for movement in edl.movements:
+        markers.append(MarkerPlan(movement.range.start, "lamp moves"))
+        if movement.range.stop < edl.frames:
+            markers.append(MarkerPlan(movement.range.stop, "lamp stands"))
+    for before, after in pairwise(edl.poses):
+        if after.perspective != before.perspective:
+            markers.append(MarkerPlan(after.range.start, f"new perspective {after.perspective}"))
+    return tuple(sorted(markers, key=lambda m: (m.frame, m.name)))

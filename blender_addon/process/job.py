@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Long work as a child process: `mcsl --progress json ...` is started, read from and stopped. No bpy.
+
+A job is pumped from a timer: nothing here waits. The child writes into files of a folder of its own, so that no pipe
+fills up and nothing is lost when it dies. Stopping asks it first (it then leaves nothing half-written) and kills it
+and all it started after a grace.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import tempfile
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+import attrs
+from attrs import field, frozen
+
+from mcsl_core.errors import Cancelled, McslError
+
+from .find_mcsl import child_environment
+
+GRACE_S = 15.0  # a chunk that is being encoded is dropped within a second; closing files on a slow disc takes longer
+STOPPED = "stopped"
+
+Outcome = Literal["running", "done", "stopped", "failed"]
+
+
+@frozen
+class Status:
+    """Where a job stands. total: None when unknown. message: one line for a person, once it has ended badly."""
+
+    stage: str = ""
+    done: int = 0
+    total: int | None = None
+    unit: str = ""
+    notes: tuple[str, ...] = ()
+    outcome: Outcome = "running"
+    message: str = ""
+    result: Mapping[str, Any] = field(factory=dict)
+
+    @property
+    def fraction(self) -> float:
+        """Of the current stage, 0 to 1; 0 when its length is unknown."""
+        return min(1.0, self.done / self.total) if self.total else 0.0
+
+
+class Job:
+    """One child process, from its start to its end."""
+
+    def __init__(self, command: Sequence[str], *, cwd: Path | None = None) -> None:
+        """Starts ``command``. McslError when it cannot be started."""
+        self.status = Status()
+        self._folder = tempfile.TemporaryDirectory(prefix="mcsl-job-", ignore_cleanup_errors=True)
+        base = Path(self._folder.name)
+        self._out, self._err = base / "out", base / "err"
+        self._at, self._rest, self._answer = 0, b"", False
+        self._asked: float | None = None  # when it was asked to stop
+        group: dict[str, Any] = {"start_new_session": True}
+        if os.name == "nt":
+            group = {"creationflags": subprocess.CREATE_NO_WINDOW}  # pyright: ignore[reportAttributeAccessIssue]
+        try:
+            with open(self._out, "wb") as out, open(self._err, "wb") as err:
+                self._child = subprocess.Popen(
+                    list(command),
+                    stdin=subprocess.DEVNULL,
+                    stdout=out,
+                    stderr=err,
+                    cwd=cwd,
+                    env=child_environment(),
+                    **group,
+                )
+        except OSError as error:
+            self._folder.cleanup()
+            raise McslError(f"cannot be started ({error.strerror or error})", where=str(command[0])) from error
+
+    @property
+    def running(self) -> bool:
+        return self.status.outcome == "running"
+
+    @property
+    def pid(self) -> int:
+        return self._child.pid
+
+    @property
+    def stopping(self) -> bool:
+        """Asked to stop, and not gone yet."""
+        return self.running and self._asked is not None
+
+    def pump(self) -> Status:
+        """Reads what came since the last time; returns where the job stands now. Never waits."""
+        if not self.running:
+            return self.status
+        code = self._child.poll()  # asked before reading: what it wrote last is then there
+        with open(self._out, "rb") as stream:
+            stream.seek(self._at)
+            new = stream.read()
+        self._at += len(new)
+        *lines, self._rest = (self._rest + new).split(b"\n")
+        if code is not None and self._rest:
+            lines.append(self._rest)
+        for line in lines:
+            self._take(line)
+        if code is not None:
+            self._end(code)
+        elif self._asked is not None and time.monotonic() - self._asked > GRACE_S:
+            self.kill()
+        return self.status
+
+    def output(self) -> str:
+        """All that it wrote to standard output so far; while it runs, or once when it has ended."""
+        return self._text
+
+    def cancel(self) -> None:
+        """Asks it to stop; `pump` goes on until it is gone."""
+        if self.running and self._asked is None:
+            self._asked = time.monotonic()
+            self._child.terminate()  # mcsl takes SIGTERM as Ctrl-C
+
+    def kill(self) -> None:
+        """Ends it and all it started, now."""
+        self._asked = self._asked or time.monotonic()
+        if self._child.poll() is None:
+            if os.name == "nt":
+                self._child.kill()
+            else:
+                os.killpg(self._child.pid, signal.SIGKILL)
+
+    def wait(self, timeout_s: float) -> Status:
+        """Pumps until it has ended; for scripts and tests. TimeoutError when it has not by then."""
+        until = time.monotonic() + timeout_s
+        while self.pump().outcome == "running":
+            if time.monotonic() > until:
+                raise TimeoutError(f"the job still runs after {timeout_s} s")
+            time.sleep(0.02)
+        return self.status
+
+    # ------------------------------------------------------------------------------------------------- messages
+
+    _text = ""
+
+    def _take(self, line: bytes) -> None:
+        """One line of standard output; what is no message is not for us."""
+        try:
+            message = json.loads(line)
+        except ValueError:
+            return
+        if not isinstance(message, dict):
+            return
+        status = self.status
+        if "stage" in message:
+            stage, total, unit = str(message["stage"]), message.get("total"), str(message.get("unit", ""))
+            self.status = attrs.evolve(status, stage=stage, total=total, unit=unit, done=0)
+        elif "done" in message:
+            self.status = attrs.evolve(status, done=int(message["done"]))
+        elif "note" in message:
+            self.status = attrs.evolve(status, notes=(*status.notes, str(message["note"])))
+        elif "result" in message:
+            self.status, self._answer = attrs.evolve(status, result=dict(message["result"])), True
+        elif "error" in message:
+            error = message["error"]
+            told = McslError(error.get("what", ""), where=error.get("where", ""), remedy=error.get("remedy", ""))
+            stopped = error.get("exit_code") == Cancelled.exit_code
+            outcome: Outcome = "stopped" if stopped else "failed"
+            # The outcome stays "running" until the process is gone; it is known already, though.
+            self.status = attrs.evolve(status, message=STOPPED if stopped else one_line(str(told)))
+            self._ending = outcome
+
+    _ending: Outcome | None = None
+
+    def _end(self, code: int) -> None:
+        self._text = self._out.read_text("utf-8", "replace")
+        said = self._err.read_text("utf-8", "replace").strip().splitlines()
+        self._folder.cleanup()
+        status = self.status
+        if self._ending is not None:
+            outcome, message = self._ending, status.message
+        elif code == 0:
+            outcome, message = "done", ""
+        elif self._asked is not None:
+            outcome, message = "stopped", STOPPED
+        else:
+            outcome, message = "failed", _unexplained(code, said)
+        self.status = attrs.evolve(status, outcome=outcome, message=message)
+
+
+def _unexplained(code: int, said: Sequence[str]) -> str:
+    """The line for a child that ended badly and did not say why."""
+    if code < 0:
+        name = next((s.name for s in signal.Signals if s == -code), f"signal {-code}")
+        return f"mcsl was ended from outside ({name}). Start it again: it carries on where it stopped"
+    last = said[-1].strip() if said else f"it ended with code {code} and said nothing"
+    return one_line(f"mcsl failed: {last}")
+
+
+def one_line(text: str) -> str:
+    """``text`` for a status bar."""
+    return " ".join(text.split())

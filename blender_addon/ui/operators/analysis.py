@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Analysing from the panel: `mcsl analyse` in a child process, then its timeline.
+
+No `from __future__ import annotations` here: Blender reads the properties from the annotations themselves.
+"""
+
+from pathlib import Path
+from typing import ClassVar
+
+import bpy  # pyright: ignore[reportMissingImports]
+
+from mcsl_core.errors import InputError, McslError
+
+from ...core import camera_files as recordings
+from ...core.camera_files import STAGES
+from ...sequencer.compat import sequencer_scene
+from .. import job_runner as running
+from .. import preferences
+from ..translations.lookup import told
+from .recording import work_of
+from .timeline import build_into, pull
+
+
+class MCSL_OT_analyse(bpy.types.Operator):
+    """Let mcsl decide: alignment, movements of the lamp, shots and centering; then build the timeline"""
+
+    bl_idname = "mcsl.analyse"
+    bl_label = "Analyse"
+    bl_options: ClassVar = {"REGISTER"}
+
+    @classmethod
+    def poll(cls, context):
+        if running.busy():
+            return False
+        if not work_of(context).cameras:
+            cls.poll_message_set("Add camera files first")
+            return False
+        return True
+
+    def execute(self, context):
+        scene = sequencer_scene(context)
+        try:
+            command, edl = _command(scene)
+            if scene.get("mcsl_edl"):
+                pull(scene)  # what was decided by hand goes through the analysis with the EDL
+            elif scene.sequence_editor is not None and scene.sequence_editor.strips:
+                raise InputError(
+                    told("this scene's sequencer is not empty"), remedy=told("Add a new scene and analyse there")
+                )
+            name = scene.name
+
+            def follow(_result):
+                if (target := bpy.data.scenes.get(name)) is None:
+                    raise InputError(
+                        told("the scene {name} is gone").format(name=name),
+                        remedy=told("Build the timeline of {edl} by hand").format(edl=edl),
+                    )
+                for note in build_into(target, edl):
+                    running.say(note, "WARNING", told("Analysis"))
+
+            running.start(told("Analysis"), command, follow, cwd=edl.parent)
+        except (McslError, OSError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+def edl_of_work(work) -> Path:
+    """Where the EDL goes: as named, else edl.json beside the first camera file."""
+    if work.edl:
+        path = Path(bpy.path.abspath(work.edl))
+        return path if path.suffix == ".json" else path.with_suffix(".json")
+    return Path(work.cameras[0].paths()[0]).parent / "edl.json"
+
+
+def _command(scene) -> tuple[list[str], Path]:
+    """The command and the EDL it writes; InputError for what can be seen before it starts."""
+    work = scene.mcsl_work
+    files = [path for camera in work.cameras for path in camera.paths()]
+    for path in files:
+        if not Path(path).is_file():
+            raise InputError(
+                told("is missing"), where=path, remedy=told("Put it back, or take the camera off the list")
+            )
+    edl = edl_of_work(work)
+    if not edl.parent.is_dir():
+        raise InputError(
+            told("is not a folder"), where=str(edl.parent), remedy=told("Choose another place for the EDL")
+        )
+    stages = {stage: work.plugin(stage) for stage in STAGES}
+    reference = work.reference or work.cameras[0].name
+    return (
+        recordings.analyse_command(preferences.mcsl(), files, str(edl), reference=reference, stages=stages),
+        edl,
+    )
+
+
+class MCSL_OT_cancel(bpy.types.Operator):
+    """Stop; nothing half-written is left, and started again it carries on where it was"""
+
+    bl_idname = "mcsl.cancel"
+    bl_label = "Cancel"
+    bl_options: ClassVar = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context):
+        return running.desk.running is not None and not running.desk.running.job.stopping
+
+    def execute(self, context):
+        running.cancel()
+        return {"FINISHED"}
+
+
+class MCSL_OT_read_plugins(bpy.types.Operator):
+    """Ask mcsl which plugins there are for each stage"""
+
+    bl_idname = "mcsl.read_plugins"
+    bl_label = "Show Plugins"
+    bl_options: ClassVar = {"INTERNAL"}
+
+    def execute(self, context):
+        try:
+            running.read_plugins(preferences.mcsl())
+        except McslError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+CLASSES = (MCSL_OT_analyse, MCSL_OT_cancel, MCSL_OT_read_plugins)

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Exact pictures into the timeline, and the video out of it.
+
+No `from __future__ import annotations` here: Blender reads the properties from the annotations themselves.
+"""
+
+from pathlib import Path
+from typing import ClassVar
+
+import bpy  # pyright: ignore[reportMissingImports]
+
+from mcsl_core.errors import InputError, McslError
+from mcsl_core.timing import FrameRange
+
+from ...core import camera_files as recordings
+from ...core import presets as deliveries
+from ...core import shot_list as shots
+from ...core.strip_plan import ConformedPiece
+from ...sequencer import conformed, output
+from ...sequencer import scene_properties as scenes
+from ...sequencer.build import has_sound
+from ...sequencer.compat import sequencer_scene
+from .. import job_runner as running
+from .. import preferences
+from .. import refresh as watching
+from ..translations.lookup import told
+from .decisions import has_timeline
+from .recording import work_of
+from .timeline import pull
+
+
+class MCSL_OT_conform(bpy.types.Operator):
+    """Make the exact pictures of all that is outstanding, from the original files, and put them in place"""
+
+    bl_idname = "mcsl.conform"
+    bl_label = "Conform"
+    bl_options: ClassVar = {"REGISTER"}
+
+    @classmethod
+    def poll(cls, context):
+        return has_timeline(context) and not running.busy()
+
+    def execute(self, context):
+        scene = sequencer_scene(context)
+        try:
+            edl, _ = pull(scene)
+            path = scenes.edl_path(scene, Path(bpy.data.filepath))
+            name = scene.name
+
+            def follow(result):
+                if (target := bpy.data.scenes.get(name)) is None or target.sequence_editor is None:
+                    raise InputError(told("the scene {name} is gone").format(name=name))
+                pieces = [ConformedPiece(FrameRange(*p["range"]), p["path"]) for p in result["pieces"]]
+                yield from conformed.place(target, edl, pieces, result.get("sound"), path.parent)
+                watching.look(target)
+                if bpy.data.filepath:
+                    bpy.ops.file.make_paths_relative()
+                if not bpy.app.background:
+                    bpy.ops.ed.undo_push(message="mcsl: conformed pictures")
+
+            command = recordings.conform_command(preferences.mcsl(), str(path))
+            running.start(told("Conforming"), command, follow, cwd=path.parent)
+        except McslError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class MCSL_OT_render(bpy.types.Operator):
+    """Render the programme to a video with the chosen preset, by Blender's own Render Animation"""
+
+    bl_idname = "mcsl.render"
+    bl_label = "Render"
+    bl_options: ClassVar = {"REGISTER"}
+
+    @classmethod
+    def poll(cls, context):
+        return has_timeline(context) and not running.busy()
+
+    def execute(self, context):
+        scene = sequencer_scene(context)
+        work = work_of(context)
+        try:
+            target = set_output(scene, work)
+            problem = watching.look(scene)
+        except McslError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if problem:
+            self.report({"WARNING"}, problem)
+        left = context.window_manager.mcsl_state.outstanding_s
+        if left > 0:
+            text = told("{seconds} show the preview, not the exact pictures: conform first for those")
+            self.report({"WARNING"}, text.format(seconds=shots.seconds_text(left)))
+        how = "EXEC_DEFAULT" if bpy.app.background else "INVOKE_DEFAULT"
+        bpy.ops.render.render(how, animation=True, scene=scene.name)
+        self.report({"INFO"}, told("rendering to {path}").format(path=target))
+        return {"FINISHED"}
+
+
+class MCSL_OT_apply_preset(bpy.types.Operator):
+    """Set this scene's output as the preset says, for Blender's own rendering and for blender -b FILE -a"""
+
+    bl_idname = "mcsl.apply_preset"
+    bl_label = "Set Output"
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return has_timeline(context)
+
+    def execute(self, context):
+        try:
+            target = set_output(sequencer_scene(context), work_of(context))
+        except McslError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, str(target))
+        return {"FINISHED"}
+
+
+def set_output(scene, work) -> Path:
+    """The scene's output from the panel's preset and file; the file it will write. InputError without a folder."""
+    delivery = next(d for d in deliveries.load_all() if d.name == work.preset)
+    if work.video:
+        target = Path(bpy.path.abspath(work.video))
+        if not target.suffix:
+            target = target.with_suffix(f".{delivery.container}")
+    elif bpy.data.filepath:
+        target = Path(bpy.data.filepath).with_suffix(f".{delivery.container}")
+    else:
+        raise InputError(told("there is no name for the video"), remedy=told("Save the file, or choose an output"))
+    if target.suffix != f".{delivery.container}":
+        raise InputError(
+            told("the preset writes .{container} files").format(container=delivery.container),
+            where=str(target),
+            remedy=told("Name it so, or take another preset"),
+        )
+    if not target.parent.is_dir():
+        raise InputError(told("is not a folder"), where=str(target.parent), remedy=told("Choose another output"))
+    render = scene.render
+    render.resolution_x, render.resolution_y = scenes.edl_of(scene).size  # a preset before may have made it even
+    output.apply(scene, delivery.blender, str(target), sound=has_sound(scene))
+    return target
+
+
+CLASSES = (MCSL_OT_conform, MCSL_OT_render, MCSL_OT_apply_preset)

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The visual aids, for all and for one shot, and the centre by hand.
+
+No `from __future__ import annotations` here: Blender reads the properties from the annotations themselves.
+"""
+
+from typing import ClassVar
+
+import bpy  # pyright: ignore[reportMissingImports]
+
+from mcsl_core.edl.resolve import resolve, shift_at
+from mcsl_core.errors import McslError
+
+from ...core import multicam as switching
+from ...core.read_overrides import AUTOMATIC
+from ...sequencer.compat import sequencer_scene
+from ...sequencer.read import read_timeline
+from ...sequencer.scene_properties import LOOK
+from .. import refresh as watching
+from ..translations.lookup import told
+from .decisions import has_timeline
+
+AIDS = [
+    ("centering", "Centering", "Shift the surgical field to the middle of the picture"),
+    ("fill", "Fill", "Fill what the camera does not see from the other cameras"),
+    ("colour", "Colour", "Match each camera's colours to the reference camera's"),
+]
+
+
+def shot_at_playhead(scene):
+    """The Multicam strip that decides at the playhead, or None."""
+    found = switching.deciding(read_timeline(scene).strips, scene.frame_current - 1)
+    return None if found is None else scene.sequence_editor.strips[found.name]
+
+
+class MCSL_OT_set_look(bpy.types.Operator):
+    """Switch a visual aid on or off"""
+
+    bl_idname = "mcsl.set_look"
+    bl_label = "Set Look"
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    aid: bpy.props.EnumProperty(name="Aid", items=AIDS)
+    on: bpy.props.BoolProperty(name="On", description="Switch it on, or off", default=True)
+    whole: bpy.props.BoolProperty(name="All", description="For the whole programme, not the shot at the playhead")
+
+    @classmethod
+    def poll(cls, context):
+        return has_timeline(context)
+
+    @classmethod
+    def description(cls, context, properties):
+        about = told(next(text for name, _, text in AIDS if name == properties.aid))
+        where = told("for the whole programme") if properties.whole else told("for the shot at the playhead")
+        return f"{about} ({where})"
+
+    def execute(self, context):
+        scene = sequencer_scene(context)
+        try:
+            if self.whole:
+                scene[f"{LOOK}{self.aid}"] = self.on
+            else:
+                strip = shot_at_playhead(scene)
+                if strip is None:
+                    self.report({"WARNING"}, told("There is no shot at the playhead"))
+                    return {"CANCELLED"}
+                strip[f"mcsl_{self.aid}"] = self.on
+        except McslError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        watching.look(scene)
+        return {"FINISHED"}
+
+
+class MCSL_OT_set_centre(bpy.types.Operator):
+    """Click the middle of the field in the preview: the shot at the playhead is centred on it"""
+
+    bl_idname = "mcsl.set_centre"
+    bl_label = "Set Centre by Hand"
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    x: bpy.props.FloatProperty(name="X", description="Pixels from the left of the picture", options={"SKIP_SAVE"})
+    y: bpy.props.FloatProperty(name="Y", description="Pixels from the top of the picture", options={"SKIP_SAVE"})
+
+    @classmethod
+    def poll(cls, context):
+        return has_timeline(context)
+
+    def invoke(self, context, event):
+        if not any(region.type == "PREVIEW" for area in context.screen.areas for region in area.regions):
+            self.report({"WARNING"}, told("Open a preview beside the sequencer"))
+            return {"CANCELLED"}
+        context.window.cursor_modal_set("CROSSHAIR")
+        context.workspace.status_text_set(told("Click the middle of the field in the preview; Esc: leave it"))
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if event.type in {"ESC", "RIGHTMOUSE"}:
+            return self._leave(context, {"CANCELLED"})
+        if event.type != "LEFTMOUSE" or event.value != "PRESS":
+            return {"RUNNING_MODAL"}
+        point = _in_preview(context, event)
+        if point is None:
+            return self._leave(context, {"CANCELLED"})
+        self.x, self.y = point
+        return self._leave(context, self.execute(context))
+
+    def _leave(self, context, result):
+        context.window.cursor_modal_restore()
+        context.workspace.status_text_set(None)
+        return result
+
+    def execute(self, context):
+        scene = sequencer_scene(context)
+        try:
+            edl = watching.decided(scene)
+            frame = scene.frame_current - 1
+            decision = next((d for stretch, d in resolve(edl) if frame in stretch), None)
+            strip = shot_at_playhead(scene)
+        except McslError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if strip is None or decision is None:
+            self.report({"WARNING"}, told("There is no shot at the playhead"))
+            return {"CANCELLED"}
+        now = shift_at(edl, decision, frame)
+        middle = ((edl.size[0] - 1) / 2, (edl.size[1] - 1) / 2)
+        strip["mcsl_offset"] = [round(m - (p - s), 3) for m, p, s in zip(middle, (self.x, self.y), now, strict=True)]
+        if not decision.centering:
+            strip["mcsl_centering"] = True
+        watching.look(scene)
+        return {"FINISHED"}
+
+
+def _in_preview(context, event):
+    """The programme pixel under the mouse, or None outside every preview."""
+    scene = sequencer_scene(context)
+    for area in context.screen.areas:
+        for region in area.regions if area.type == "SEQUENCE_EDITOR" else ():
+            inside = 0 <= event.mouse_x - region.x < region.width and 0 <= event.mouse_y - region.y < region.height
+            if region.type == "PREVIEW" and inside:
+                x, y = region.view2d.region_to_view(event.mouse_x - region.x, event.mouse_y - region.y)
+                return (scene.render.resolution_x - 1) / 2 + x, (scene.render.resolution_y - 1) / 2 - y
+    return None
+
+
+class MCSL_OT_clear_centre(bpy.types.Operator):
+    """Centre the shot at the playhead by the analysis again"""
+
+    bl_idname = "mcsl.clear_centre"
+    bl_label = "Centre Automatically"
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return has_timeline(context)
+
+    def execute(self, context):
+        scene = sequencer_scene(context)
+        try:
+            strip = shot_at_playhead(scene)
+        except McslError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if strip is None:
+            self.report({"WARNING"}, told("There is no shot at the playhead"))
+            return {"CANCELLED"}
+        strip["mcsl_offset"] = AUTOMATIC
+        watching.look(scene)
+        return {"FINISHED"}
+
+
+CLASSES = (MCSL_OT_set_look, MCSL_OT_set_centre, MCSL_OT_clear_centre)

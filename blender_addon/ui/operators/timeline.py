@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""An EDL's timeline into this scene, and the editor's decisions back into the EDL.
+
+Everything is decided in plan.py and readback.py; here stand the file dialogue, the messages and the order. No
+`from __future__ import annotations` here: Blender reads the properties from the annotations themselves.
+"""
+
+from pathlib import Path
+from typing import ClassVar
+
+import bpy  # pyright: ignore[reportMissingImports]
+
+from mcsl_core import edl as edls
+from mcsl_core.edl import Edl
+from mcsl_core.errors import InputError, McslError
+
+from ...core.strip_plan import make_plan
+from ...sequencer import scene_properties as scenes
+from ...sequencer.build import build_timeline, rebuild_timeline
+from ...sequencer.compat import sequencer_scene, use_sequencer_scene
+from ...sequencer.edit import clear_strip_decisions
+from ...sequencer.read import read_timeline
+from .. import refresh as watching
+from ..translations.lookup import told
+
+
+def build_into(scene, path: Path) -> list[str]:
+    """The timeline of an EDL into a scene whose sequencer is empty or holds one already; notes for a person.
+
+    McslError leaves the scene as it was: what is there already is first built anew in a scene of its own.
+    """
+    edl = edls.load(path)
+    plan = make_plan(edl)
+    use_sequencer_scene(scene)
+    if scene.get("mcsl_edl") and scene.sequence_editor is not None:
+        trial = bpy.data.scenes.new("mcsl trial")
+        try:
+            build_timeline(trial, plan, path.parent)
+        finally:
+            bpy.data.scenes.remove(trial)
+        notes = rebuild_timeline(scene, plan, path.parent)
+    else:
+        try:
+            notes = build_timeline(scene, plan, path.parent)
+        except McslError:
+            if scene.sequence_editor is not None:
+                scene.sequence_editor_clear()  # it was empty: leave it so
+            raise
+    folder = Path(bpy.data.filepath).parent if bpy.data.filepath else None
+    scenes.set_ids(scene, edl, path.resolve(), folder)
+    watching.show_recording(scene)
+    if folder is not None:
+        bpy.ops.file.make_paths_relative()
+    watching.look(scene)
+    _push_undo("mcsl: timeline")
+    return notes
+
+
+def _push_undo(message: str) -> None:
+    """A step of its own where no operator makes one; without a window there is no undo."""
+    if not bpy.app.background:
+        bpy.ops.ed.undo_push(message=message)
+
+
+def pull(scene) -> tuple[Edl, bool]:
+    """Writes the timeline's decisions into the scene's EDL; the EDL as it is then, and whether it was changed.
+
+    McslError, for a folder that cannot be written to as well: then nothing has changed.
+    """
+    old = scenes.edl_of(scene)
+    new = watching.decided(scene)
+    if new != old:
+        edls.save(new, scenes.edl_path(scene, Path(bpy.data.filepath)))
+    clear_strip_decisions(scene)
+    scene["mcsl_overrides"] = len(new.overrides)
+    return new, new != old
+
+
+class MCSL_OT_build_timeline(bpy.types.Operator):
+    """Build the timeline of an EDL that mcsl made into this scene's empty sequencer"""
+
+    bl_idname = "mcsl.build_timeline"
+    bl_label = "Build Timeline from EDL..."
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    filepath: bpy.props.StringProperty(subtype="FILE_PATH", name="EDL")
+    filter_glob: bpy.props.StringProperty(default="*.json", options={"HIDDEN"})
+
+    def invoke(self, context, event):
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context):
+        scene = sequencer_scene(context)
+        try:
+            if scene.sequence_editor is not None and scene.sequence_editor.strips:
+                raise InputError(
+                    told("this scene's sequencer is not empty"), remedy=told("Add a new scene and build there")
+                )
+            notes = build_into(scene, Path(bpy.path.abspath(self.filepath)))
+        except McslError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for note in notes:
+            self.report({"WARNING"}, note)
+        edl = scenes.edl_of(scene)
+        text = told("{shots} shots, {overrides} overrides")
+        self.report({"INFO"}, text.format(shots=len(edl.shots), overrides=len(edl.overrides)))
+        return {"FINISHED"}
+
+
+class MCSL_OT_pull_overrides(bpy.types.Operator):
+    """Write what you decided in the timeline into the EDL, as overrides that analysis never touches"""
+
+    bl_idname = "mcsl.pull_overrides"
+    bl_label = "Pull Overrides into EDL"
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return bool(sequencer_scene(context).get("mcsl_edl"))
+
+    def execute(self, context):
+        scene = sequencer_scene(context)
+        try:
+            edl, written = pull(scene)
+            notes = read_timeline(scene).notes
+        except McslError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for note in notes:
+            self.report({"WARNING"}, note)
+        text = told("{count} overrides written") if written else told("{count} overrides, as they were")
+        self.report({"INFO"}, text.format(count=len(edl.overrides)))
+        return {"FINISHED"}
+
+
+CLASSES = (MCSL_OT_build_timeline, MCSL_OT_pull_overrides)

@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Keeps what follows from decisions in line with them: the list of shots, conformed pictures, the centering preview.
+
+A change marks the timeline; a timer looks at it once it has been quiet for a moment, so that dragging a cut stays
+smooth (2,000 shots take some tenths of a second). Before saving it is looked at in any case, so that a file never says
+one thing and shows another, wherever it is rendered; after loading as well. Without a window the log takes the warning.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import Any
+
+import bpy  # pyright: ignore[reportMissingImports]
+
+from mcsl_core.edl import Edl
+from mcsl_core.errors import McslError
+from mcsl_core.timing import FrameRange
+
+from ..core import multicam as switching
+from ..core import shot_list as shots
+from ..core import strip_plan as plan
+from ..core.read_overrides import read_edl
+from ..sequencer import conformed
+from ..sequencer import scene_properties as scenes
+from ..sequencer.centering_keys import set_centering_keys
+from ..sequencer.compat import sequencer_scene
+from ..sequencer.edit import label_strips
+from ..sequencer.read import read_timeline
+from . import job_runner as running
+from .translations.lookup import told
+
+QUIET_S = 0.4
+CENTERED = "mcsl_centered"  # of the scene: a hash of the keys that the Centering strip was given
+
+_busy = False  # what we change ourselves is no news
+_last: dict[str, Edl] = {}  # scene -> what its timeline said when it was last looked at
+
+
+def timelines() -> list[Any]:
+    """The scenes of this file that hold a timeline."""
+    return [s for s in bpy.data.scenes if s.get("mcsl_edl") and s.sequence_editor is not None]
+
+
+def decided(scene: Any) -> Edl:
+    """The scene's EDL with the decisions that its timeline shows now. McslError where either cannot be read."""
+    return read_edl(scenes.edl_of(scene), read_timeline(scene))
+
+
+def last(scene: Any) -> Edl:
+    """As `decided`, when the timeline was last looked at: for drawing, which happens many times a second."""
+    if scene.name not in _last:
+        _last[scene.name] = decided(scene)
+    return _last[scene.name]
+
+
+def look(scene: Any) -> str:
+    """Brings everything in line with the timeline of ``scene``; returns '' or, in a line, why that is not possible.
+
+    Where the EDL or the timeline cannot be read, nothing is changed.
+    """
+    global _busy
+    was, _busy = _busy, True
+    try:
+        _last.pop(scene.name, None)
+        edl = _last[scene.name] = decided(scene)
+        held = conformed.keep_true(scene, edl)
+        _centre(scene, edl)
+        state = read_timeline(scene)
+        label_strips(scene, switching.overridden(edl, state.strips), switching.shown_cameras(state))
+    except McslError as error:
+        _tell(scene, problem=str(error))
+        return str(error)
+    finally:
+        _busy = was
+    seconds = [float(sum(map(len, pieces)) / edl.rate) for pieces in (held.outstanding, held.lost)]
+    _tell(scene, edl=edl, outstanding_s=seconds[0], lost_s=seconds[1])
+    return ""
+
+
+def _centre(scene: Any, edl: Edl) -> None:
+    """The Centering strip follows the decisions, unless an editor has keyed it by hand."""
+    keys = plan.make_plan(edl).centering
+    text = hashlib.sha256(repr(keys).encode()).hexdigest()[:16]
+    if scene.get(CENTERED) != text and not read_timeline(scene).notes:
+        set_centering_keys(scene, keys)
+        scene[CENTERED] = text
+
+
+def _tell(scene: Any, edl: Edl | None = None, problem: str = "", outstanding_s: float = 0.0, lost_s: float = 0.0):
+    """The panel's state, where ``scene`` is the one it shows."""
+    if scene != shown_scene():
+        return
+    state = bpy.context.window_manager.mcsl_state
+    state.problem = problem
+    if edl is None:
+        return
+    state.outstanding_s, state.lost_s = outstanding_s, lost_s
+    rows = shots.rows_of(edl)
+    state.overrides = sum(row.overridden for row in rows)
+    if len(state.shots) != len(rows):
+        state.shots.clear()
+        for _ in rows:
+            state.shots.add()
+    for item, row in zip(state.shots, rows, strict=True):
+        item.start, item.stop = row.range.start, row.range.stop
+        item.camera, item.automatic, item.why = row.camera, row.automatic, row.why
+        item.score, item.overridden = row.score, row.overridden
+        item.time = shots.time_text(row.range.start, edl.rate)
+    running.redraw()
+
+
+def show_recording(scene: Any) -> None:
+    """The panel's list of cameras from the EDL, where it is still empty: to analyse again needs no picking."""
+    work = scene.mcsl_work
+    if work.cameras:
+        return
+    try:
+        edl = scenes.edl_of(scene)
+    except McslError:
+        return
+    base = scenes.edl_path(scene, Path(bpy.data.filepath))
+    for camera in edl.cameras:
+        item = work.cameras.add()
+        item.name = camera.name
+        item.files = "\n".join(str(base.parent / media.path) for media in camera.media)
+    work.reference, work.edl = edl.reference, scene["mcsl_edl"]
+
+
+def rows() -> tuple[shots.ShotRow, ...]:
+    """The list of shots as the panel has it."""
+    return tuple(
+        shots.ShotRow(FrameRange(i.start, i.stop), i.camera, i.automatic, i.score, i.why, i.overridden)
+        for i in bpy.context.window_manager.mcsl_state.shots
+    )
+
+
+def shown_scene() -> Any:
+    """The scene that the sequencer shows; where it has no timeline, the file's only one."""
+    scene = sequencer_scene(bpy.context)
+    found = timelines()
+    if scene in found or len(found) != 1:
+        return scene
+    return found[0]
+
+
+# ------------------------------------------------------------------------------------------------------ when
+
+
+def mark() -> None:
+    """The timeline may have changed: look at it when it is quiet."""
+    if bpy.app.timers.is_registered(_quiet):
+        bpy.app.timers.unregister(_quiet)
+    bpy.app.timers.register(_quiet, first_interval=QUIET_S)
+
+
+def _quiet() -> None:
+    for scene in timelines():
+        look(scene)
+
+
+@bpy.app.handlers.persistent
+def _changed(_scene: Any, depsgraph: Any = None) -> None:
+    if _busy or bpy.app.background or (depsgraph is not None and not depsgraph.id_type_updated("SCENE")):
+        return
+    mark()
+
+
+@bpy.app.handlers.persistent
+def _saving(*_: Any) -> None:
+    for scene in timelines():
+        look(scene)
+
+
+@bpy.app.handlers.persistent
+def _loaded(*_: Any) -> None:
+    state = bpy.context.window_manager.mcsl_state
+    _last.clear()
+    state.shots.clear()
+    state.problem, state.outstanding_s, state.lost_s, state.overrides = "", 0.0, 0.0, 0
+    for scene in timelines():
+        show_recording(scene)
+        problem = look(scene)
+        if not bpy.app.background:
+            continue
+        if problem:
+            print(f"mcsl: warning: {Path(bpy.data.filepath).name}: {problem}", flush=True)
+        elif conformed.found(scene) and state.outstanding_s > 0:
+            text = told("{seconds} of the programme show the preview, not the exact pictures. Conform before rendering")
+            print(f"mcsl: warning: {text.format(seconds=shots.seconds_text(state.outstanding_s))}", flush=True)
+
+
+HANDLERS = {
+    "depsgraph_update_post": _changed,
+    "undo_post": _changed,
+    "redo_post": _changed,
+    "save_pre": _saving,
+    "load_post": _loaded,
+}
+
+
+def register() -> None:
+    for name, handler in HANDLERS.items():
+        getattr(bpy.app.handlers, name).append(handler)
+    if not bpy.app.background:
+        mark()
+
+
+def unregister() -> None:
+    if bpy.app.timers.is_registered(_quiet):
+        bpy.app.timers.unregister(_quiet)
+    for name, handler in HANDLERS.items():
+        getattr(bpy.app.handlers, name).remove(handler)

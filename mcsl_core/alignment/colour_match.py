@@ -1,0 +1,117 @@
+"""Matching one camera's colours to another's: a gain and an offset for each of R', G' and B', fitted where both look.
+
+Six parameters cannot invent colours or follow noise; white balance, exposure and black level are what differs between
+cameras of one lamp. Stored as one affine matrix on BT.709 limited 8-bit codes, so that it acts on planes directly.
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from mcsl_core.edl import Colour
+from mcsl_core.imaging.planes import BGR_TO_YUV, U8, YUV_TO_BGR, Planes, upsample_chroma
+
+GAINS = (0.5, 2.0)
+OFFSETS = (-40.0, 40.0)
+IDENTITY = Colour(((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)))
+_LEAST_PIXELS = 400
+_MOST_PIXELS = 40_000
+_ROUNDS = 12
+# Black levels of one lamp's cameras differ by a few codes; a fit to mid tones alone makes up for its errors with more,
+# and white gauze turns cyan. 3 codes, and a quarter of what the gain leaves unexplained.
+_BLACK = 3.0
+_DOUBT = 0.25
+
+
+def match_colours(source_bgr: U8, target_bgr: U8, mask: U8) -> Colour:
+    """The affine map of ``source_bgr``'s codes to ``target_bgr``'s, from where ``mask`` (H, W) is not 0.
+
+    Both are (H, W, 3) uint8, aligned, possibly stacked from several moments. Robust: parallax and things that only one
+    of them sees may fill up to about a third of the mask. Gains are kept in 0.5..2, offsets in -40..40; with fewer
+    than 400 useful pixels the answer is the identity.
+    """
+    if source_bgr.shape != target_bgr.shape or mask.shape != source_bgr.shape[:2]:
+        raise ValueError(f"pictures and mask differ in size: {source_bgr.shape}, {target_bgr.shape}, {mask.shape}")
+    # Averaging over 5 pixels takes out noise and the last pixel of misalignment, which would flatten the fitted gain.
+    a, b = (cv2.blur(picture, (5, 5)).reshape(-1, 3).astype(np.float64) for picture in (source_bgr, target_bgr))
+    inside = cv2.erode((mask != 0).astype(np.uint8), np.ones((5, 5), np.uint8)).reshape(-1) != 0
+    clear = (np.minimum(a, b).min(axis=1) > 6) & (np.maximum(a, b).max(axis=1) < 249)  # clipped codes say nothing
+    chosen = np.flatnonzero(inside & clear)
+    if len(chosen) < _LEAST_PIXELS:
+        return IDENTITY
+    chosen = chosen[:: max(1, len(chosen) // _MOST_PIXELS)]
+    a, b = a[chosen], b[chosen]
+    fits = _fit(a, b)
+    return as_matrix(fits[:, 0], fits[:, 1])
+
+
+def _fit(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(3, 2) gain and offset per channel; a pixel that fits badly in one channel is left out of all."""
+    gains, offsets = _start(a, b)
+    for _ in range(_ROUNDS):
+        residual = np.abs(b - (a * gains + offsets)).max(axis=1)
+        keep = residual <= max(3.0, 2.5 * float(np.median(residual)))
+        new_gains, new_offsets = np.empty(3), np.empty(3)
+        for channel in range(3):
+            x, y = a[keep, channel], b[keep, channel]
+            spread_x, spread_y = x.std(), y.std()
+            # Both have noise, so neither regression is right; the ratio of spreads is, where the two go together.
+            alike = float(np.corrcoef(x, y)[0, 1]) if spread_x > 2 and spread_y > 2 else 0.0
+            together = alike > 0.5
+            gain = np.clip(spread_y / spread_x if together else 1.0, *GAINS)
+            offset = np.clip(y.mean() - gain * x.mean(), *OFFSETS)
+            if together:  # what the two share little of says little of black: then the gain alone has to explain more
+                doubt = _DOUBT * np.sqrt(1 - alike**2) * gain * x.mean()
+                offset *= _BLACK**2 / (_BLACK**2 + doubt**2)
+                gain = np.clip((y.mean() - offset) / x.mean(), *GAINS)
+            new_gains[channel], new_offsets[channel] = gain, offset
+        if np.allclose(new_gains, gains, atol=1e-4) and np.allclose(new_offsets, offsets, atol=1e-2):
+            break
+        gains, offsets = new_gains, new_offsets
+    return np.stack([gains, offsets], axis=1)
+
+
+def _start(a: NDArray[np.float64], b: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Median colour and inter-quartile spread: a start that a third of foreign pixels cannot throw."""
+    low_a, mid_a, high_a = np.percentile(a, [25, 50, 75], axis=0)
+    low_b, mid_b, high_b = np.percentile(b, [25, 50, 75], axis=0)
+    gains = np.clip((high_b - low_b + 1) / (high_a - low_a + 1), *GAINS)
+    return gains, np.clip(mid_b - gains * mid_a, *OFFSETS)
+
+
+def as_matrix(gains: NDArray[np.float64], offsets: NDArray[np.float64]) -> Colour:
+    """The 3x4 Y'CbCr matrix of gains and offsets (3,) each, in the order B, G, R of full-range codes 0..255."""
+    bgr = np.hstack([np.diag(gains), np.reshape(offsets, (3, 1))])
+    square = [np.vstack([m, [0, 0, 0, 1]]) for m in (BGR_TO_YUV, bgr, YUV_TO_BGR)]
+    matrix = (square[0] @ square[1] @ square[2])[:3]
+    return Colour(tuple(tuple(float(v) for v in row) for row in matrix))  # pyright: ignore[reportArgumentType]
+
+
+def apply_colour(planes: Planes, colour: Colour) -> Planes:
+    """``planes`` with ``colour`` applied to every pixel, exact to a code: chroma where it lies, Y' with chroma's share.
+
+    One `cv2.transform` of three channels to three, which alone of its kind is vectorised (0.3 ms for the half-size
+    planes at 1080p; to two channels 2.3), makes the new chroma and that share. The share fills its 8 bits, so that
+    rounding and interpolating it cost a fraction of a code.
+    """
+    y, u, v = planes
+    luma, chroma = np.array(colour.matrix[0]), np.array(colour.matrix[1:])
+    fill = min(16.0, 127 / max(128 * float(np.abs(luma[1:3]).sum()), 1e-9))
+    share = fill * luma[1:3]
+    rows = np.array([[0.0, *share, 128 - 128 * share.sum()], *chroma])
+    share_of_y, new_u, new_v = cv2.split(cv2.transform(cv2.merge([_at_chroma(y), u, v]), rows))
+    rest = luma[3] + 128 * float(luma[1:3].sum()) - 128 / fill
+    new_y = cv2.addWeighted(y, float(luma[0]), upsample_chroma(np.asarray(share_of_y, np.uint8)), 1 / fill, rest)
+    return Planes(new_y, new_u, new_v)  # pyright: ignore[reportArgumentType]
+
+
+def _at_chroma(y: U8) -> U8:
+    """(H / 2, W / 2): luma where the chroma samples lie, [1 2 1] / 4 of the columns around them."""
+    height, width = y.shape[0] // 2, y.shape[1] // 2
+    small = cv2.resize(y, (width, height), interpolation=cv2.INTER_AREA)
+    if width > 1:
+        left = cv2.resize(y[:, 1:-1], (width - 1, height), interpolation=cv2.INTER_AREA)
+        cv2.addWeighted(small[:, 1:], 0.5, left, 0.5, 0, dst=small[:, 1:])
+    return small  # pyright: ignore[reportReturnType]

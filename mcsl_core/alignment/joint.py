@@ -1,0 +1,312 @@
+"""From matched points to one homography per camera: pairwise, robust, then all pairs together.
+
+Homographies map full-size camera pixels to full-size reference pixels, pixel centres at integers.
+The scene is a relief, so true matches lie off any plane by several pixels; what they do obey is the epipolar
+geometry of their pair. So matches are sifted by a generous homography and by the fundamental matrix, and the
+plane is then fitted by least squares over the surgical field instead of by the count of close matches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import cv2
+import numpy as np
+import poselib
+from attrs import field, frozen
+from scipy.optimize import least_squares
+
+from mcsl_core.edl import Weak
+from mcsl_core.imaging.geometry import Array, transform_points
+
+from .correspondences import CELL_PX, Correspondences
+from .protocol import Alignment
+
+
+@frozen
+class AlignmentSettings:
+    """Thresholds in fractions of the picture's diagonal where they depend on its size."""
+
+    relief: float = field(default=0.02)  # how far a true match may lie off the plane
+    epipolar: float = field(default=0.0018)  # how far off its epipolar line (2 px at 960x540)
+    min_support: int = field(default=16)  # distinct places below which a pair is not trusted
+    min_spread: float = field(default=0.015)  # share of the picture that the places' hull covers
+
+
+@frozen(eq=False)
+class PairFit:
+    """Two cameras tied by one homography a -> b, with the matches that agree."""
+
+    homography: Array
+    kept: Correspondences
+    support: int
+    spread: float
+
+
+def _cells(points: Array, cell_px: float = CELL_PX) -> int:
+    return len(np.unique(np.floor(points / cell_px).astype(np.int64), axis=0))
+
+
+def _hull_area(points: Array) -> float:
+    return float(cv2.contourArea(cv2.convexHull(points.astype(np.float32)))) if len(points) >= 3 else 0.0
+
+
+def fit_pair(
+    pair: Correspondences, size_a: tuple[int, int], size_b: tuple[int, int], settings: AlignmentSettings
+) -> PairFit | None:
+    """Robust homography from camera a to camera b, or None when the matches do not tie the two together.
+
+    Judged by distinct places and the area they span, never by the number of matches.
+    """
+    if len(pair) < settings.min_support:
+        return None
+    diagonal = float(np.hypot(*size_b))
+    homography, info = poselib.estimate_homography(
+        pair.a, pair.b, {"max_reproj_error": settings.relief * diagonal, "seed": 0, "max_iterations": 20000}
+    )
+    near = np.asarray(info["inliers"], bool)
+    if near.sum() < settings.min_support:
+        return None
+    kept = pair.where(near)
+    _, info = poselib.estimate_fundamental(
+        kept.a, kept.b, {"max_epipolar_error": settings.epipolar * diagonal, "seed": 0, "max_iterations": 20000}
+    )
+    kept = kept.where(np.asarray(info["inliers"], bool))
+    support = min(_cells(kept.a), _cells(kept.b))
+    spread = min(_hull_area(kept.a) / (size_a[0] * size_a[1]), _hull_area(kept.b) / (size_b[0] * size_b[1]))
+    if support < settings.min_support or spread < settings.min_spread:
+        return None
+    refined = fit_homography(kept, np.asarray(homography, np.float64))
+    return None if refined is None else PairFit(refined, kept, support, spread)
+
+
+def _normaliser(points: Array) -> Array:
+    centre, scale = points.mean(axis=0), np.sqrt(2) / max(float(points.std(axis=0).mean()), 1e-9)
+    return np.array([[scale, 0, -scale * centre[0]], [0, scale, -scale * centre[1]], [0, 0, 1]])
+
+
+def fit_homography(pair: Correspondences, start: Array, rounds: int = 10) -> Array | None:
+    """Weighted least squares on the transfer error a -> b, Huber at 1.5 times the median residual (Gauss-Newton)."""
+    to_a, to_b = _normaliser(pair.a), _normaliser(pair.b)
+    a, b = transform_points(to_a, pair.a), transform_points(to_b, pair.b)
+    h = to_b @ start @ np.linalg.inv(to_a)
+    h = h / h[2, 2]
+    ones = np.ones(len(a))
+    for _ in range(rounds):
+        denominator = a @ h[2, :2] + h[2, 2]
+        moved = (a @ h[:2, :2].T + h[:2, 2]) / denominator[:, None]
+        error = moved - b
+        length = np.hypot(*error.T)
+        bound = 1.5 * max(float(np.median(length)), 1e-9)
+        weight = pair.weight * np.minimum(1, bound / np.maximum(length, 1e-12))
+        root = np.sqrt(weight)
+        basis = np.column_stack([a, ones]) / denominator[:, None]
+        zero = np.zeros_like(basis)
+        jx = np.hstack([basis, zero, -moved[:, :1] * basis[:, :2]])
+        jy = np.hstack([zero, basis, -moved[:, 1:] * basis[:, :2]])
+        jacobian = np.vstack([jx, jy]) * np.tile(root, 2)[:, None]
+        step = np.linalg.lstsq(jacobian, -np.concatenate([error[:, 0], error[:, 1]]) * np.tile(root, 2), rcond=None)[0]
+        h = h + np.append(step, 0).reshape(3, 3)
+        if np.abs(step).max() < 1e-10:
+            break
+    result = np.linalg.inv(to_b) @ h @ to_a
+    if not np.isfinite(result).all() or abs(result[2, 2]) < 1e-12:
+        return None
+    return result / result[2, 2]
+
+
+def align(
+    pairs: Mapping[tuple[str, str], Correspondences],
+    sizes: Mapping[str, tuple[int, int]],
+    reference: str,
+    settings: AlignmentSettings | None = None,
+) -> Alignment:
+    """Ties every camera to ``reference``: pairwise fits, the tree of most agreed support, joint refinement.
+
+    ``pairs`` holds the pooled correspondences of camera pairs (a, b); ``sizes`` every camera's (width, height).
+    """
+    settings = settings or AlignmentSettings()
+    names = sorted(sizes)
+    fits: dict[tuple[str, str], PairFit] = {}
+    for (a, b), matches in sorted(pairs.items()):
+        fit = fit_pair(matches, sizes[a], sizes[b], settings)
+        if fit is not None:
+            fits[a, b] = fit
+    trusted = set(names)
+    while True:
+        possible = {pair: fit for pair, fit in fits.items() if trusted.issuperset(pair)}
+        tied, agreed = _tie(possible, sizes, reference, settings)
+        homographies = _refine(agreed, tied, reference, sizes)
+        quality = {n: _quality(n, agreed, homographies) for n in homographies if n != reference}
+        worst = max(quality, key=lambda n: quality[n][0], default=None)
+        if worst is None or quality[worst][0] <= settings.relief * float(np.hypot(*sizes[reference])):
+            break
+        trusted.remove(worst)  # farther off than any relief: its pairs agree in no one plane
+    residual = {name: rms for name, (rms, _) in sorted(quality.items())}
+    support = {name: places for name, (_, places) in sorted(quality.items())}
+    weak = tuple(
+        Weak(name, _diagnosis(name, pairs, fits, homographies, settings)) for name in names if name not in homographies
+    )
+    return Alignment(homographies, residual, support, weak)
+
+
+@frozen
+class JointPlane:
+    """All cameras tied by the plane that serves the surgical field best: robust pairs, then all pairs together."""
+
+    settings: AlignmentSettings = field(factory=AlignmentSettings)
+    name = "joint-plane"
+
+    def align(
+        self,
+        pairs: Mapping[tuple[str, str], Correspondences],
+        sizes: Mapping[str, tuple[int, int]],
+        reference: str,
+    ) -> Alignment:
+        """See `align`."""
+        return align(pairs, sizes, reference, self.settings)
+
+
+def _tie(
+    fits: Mapping[tuple[str, str], PairFit],
+    sizes: Mapping[str, tuple[int, int]],
+    reference: str,
+    settings: AlignmentSettings,
+) -> tuple[dict[str, Array], dict[tuple[str, str], PairFit]]:
+    """(homographies to the reference, the fits that agree with them), grown from the reference like a maximum
+    spanning tree (Prim), but by *agreed* support: a camera is placed where most of its pairs agree that it lies.
+
+    A pair can be wrong as a whole: two cameras that see the same head match it well, a metre off the field's plane.
+    Such a pair contradicts the others, and a camera whose pairs mostly contradict its place is not tied in.
+    """
+    tied: dict[str, Array] = {reference: np.eye(3)}
+    agreed: dict[tuple[str, str], PairFit] = {}
+    bound = settings.relief * float(np.hypot(*sizes[reference]))
+    while True:
+        best: tuple[int, str, Array, list[tuple[str, str]]] | None = None
+        for name in sorted(set(sizes) - set(tied)):
+            pairs = [key for key in fits if name in key and (key[0] in tied or key[1] in tied)]
+            for key in pairs:
+                placed = _placed(name, key, fits[key], tied)
+                agree = [k for k in pairs if _disagreement(fits[k], tied | {name: placed}, k) < bound]
+                support = sum(fits[k].support for k in agree)
+                against = sum(fits[k].support for k in pairs if k not in agree)
+                if support > against and (best is None or support > best[0]):
+                    best = (support, name, placed, agree)
+        if best is None:
+            return tied, agreed
+        _, name, placed, agree = best
+        tied[name] = placed
+        agreed |= {key: fits[key] for key in agree}
+
+
+def _placed(name: str, key: tuple[str, str], fit: PairFit, tied: Mapping[str, Array]) -> Array:
+    """The homography of ``name`` to the reference by way of the other camera of a pair."""
+    a, b = key
+    h = tied[b] @ fit.homography if name == a else tied[a] @ np.linalg.inv(fit.homography)
+    return h / h[2, 2]
+
+
+def _disagreement(fit: PairFit, homographies: Mapping[str, Array], key: tuple[str, str]) -> float:
+    """Median distance in reference pixels between where a pair's two cameras place the same things."""
+    error = transform_points(homographies[key[0]], fit.kept.a) - transform_points(homographies[key[1]], fit.kept.b)
+    return float(np.median(np.hypot(*error.T)))
+
+
+def _refine(
+    fits: Mapping[tuple[str, str], PairFit],
+    homographies: dict[str, Array],
+    reference: str,
+    sizes: Mapping[str, tuple[int, int]],
+) -> dict[str, Array]:
+    """All homographies together: 8 parameters a view, Huber transfer error over all pairs, in reference pixels."""
+    free = [name for name in homographies if name != reference]
+    used = [(a, b, fit.kept) for (a, b), fit in fits.items() if a in homographies and b in homographies]
+    if not free or not used:
+        return homographies
+    width, height = sizes[reference]
+    scale = np.diag([2 / width, 2 / width, 1.0]) @ np.array([[1, 0, -width / 2], [0, 1, -height / 2], [0, 0, 1]])
+    own = {}
+    for name in homographies:
+        w, h = sizes[name]
+        own[name] = np.diag([2 / w, 2 / w, 1.0]) @ np.array([[1, 0, -w / 2], [0, 1, -h / 2], [0, 0, 1]])
+    start = {n: scale @ homographies[n] @ np.linalg.inv(own[n]) for n in homographies}
+    x0 = np.concatenate([(start[n] / start[n][2, 2]).ravel()[:8] for n in free])
+    terms = []
+    total = sum(float(kept.weight.sum()) for _, _, kept in used)
+    for a, b, kept in used:
+        direct = reference in (a, b)
+        # The reference's pairs say where a pixel belongs; the others keep the cameras consistent.
+        weight = np.sqrt(kept.weight / total * (1.0 if direct else 0.5))
+        terms.append(
+            (a, b, transform_points(own[a], kept.a), transform_points(own[b], kept.b), np.concatenate([weight, weight]))
+        )
+
+    def place(x: Array, name: str, points: Array) -> Array:
+        if name == reference:
+            return points
+        i = free.index(name) * 8
+        return transform_points(np.append(x[i : i + 8], 1.0).reshape(3, 3), points)
+
+    def residuals(x: Array) -> Array:
+        parts = []
+        for a, b, points_a, points_b, weight in terms:
+            error = place(x, a, points_a) - place(x, b, points_b)
+            parts.append(np.concatenate([error[:, 0], error[:, 1]]) * weight)
+        return np.concatenate(parts)
+
+    at_start = residuals(x0)
+    # Huber beyond 5 % of the width, in the units that the weights give the residuals: relief is no outlier, and the
+    # plane that serves the field best is the one of least squares (1 % instead: 0.05 more of the best plane's error).
+    typical = float(np.median(np.concatenate([w for *_, w in terms])))
+    solved = least_squares(residuals, x0, loss="huber", f_scale=max(0.1 * typical, 1e-12), max_nfev=60)
+    if not np.isfinite(solved.x).all() or np.square(solved.fun).sum() > 4 * np.square(at_start).sum():
+        return homographies
+    refined = {reference: np.eye(3)}
+    for i, name in enumerate(free):
+        h = np.linalg.inv(scale) @ np.append(solved.x[i * 8 : i * 8 + 8], 1.0).reshape(3, 3) @ own[name]
+        refined[name] = h / h[2, 2]
+    return refined
+
+
+def _quality(
+    name: str, fits: Mapping[tuple[str, str], PairFit], homographies: Mapping[str, Array]
+) -> tuple[float, int]:
+    """(weighted rms transfer error in reference pixels, distinct places) over a camera's pairs."""
+    squares, weights, places = [], [], []
+    for (a, b), fit in fits.items():
+        if name in (a, b) and a in homographies and b in homographies:
+            error = transform_points(homographies[a], fit.kept.a) - transform_points(homographies[b], fit.kept.b)
+            squares.append((error**2).sum(axis=1))
+            weights.append(fit.kept.weight)
+            places.append(fit.kept.a if name == a else fit.kept.b)
+    rms = float(np.sqrt(np.average(np.concatenate(squares), weights=np.concatenate(weights))))
+    return rms, _cells(np.concatenate(places))
+
+
+def _diagnosis(
+    name: str,
+    pairs: Mapping[tuple[str, str], Correspondences],
+    fits: Mapping[tuple[str, str], PairFit],
+    homographies: Mapping[str, Array],
+    settings: AlignmentSettings,
+) -> str:
+    """Why a camera could not be tied in, in words for a person."""
+    own = {(b if a == name else a): matches for (a, b), matches in pairs.items() if name in (a, b)}
+    tied = [b if a == name else a for (a, b) in fits if name in (a, b)]
+    if set(tied) & homographies.keys():
+        return f"its matches with {', '.join(sorted(tied))} contradict each other: they may show heads, not the field"
+    if tied:
+        return f"matches only {', '.join(tied)}, which cannot be tied to the reference camera either"
+    if not own:
+        return "no clear frame shows this camera together with another one"
+    best, matches = max(own.items(), key=lambda item: len(item[1]))
+    if len(matches) < settings.min_support:
+        return (
+            f"too few points in common with any other camera: at most {len(matches)} distinct places, with {best}; "
+            f"{settings.min_support} are needed"
+        )
+    return (
+        f"its points match no other camera in one plane: {len(matches)} distinct places match {best}, "
+        "but they contradict each other or lie in one small spot"
+    )

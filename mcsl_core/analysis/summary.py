@@ -1,0 +1,38 @@
+"""What an analysis decided, for programs and for people."""
+
+from __future__ import annotations
+
+from mcsl_core import edl
+from mcsl_core.timing import format_time
+
+
+def summary(made: edl.Edl) -> dict[str, object]:
+    """What was decided, for programs."""
+    return {
+        "frames": made.frames,
+        "seconds": round(float(made.frames / made.rate), 3),
+        "cameras": [c.name for c in made.cameras],
+        "movements": [[m.range.start, m.range.stop] for m in made.movements],
+        "shots": len(made.shots),
+        "overrides": len(made.overrides),
+        "weak": [{"pose": i, "camera": w.camera, "reason": w.reason} for i, p in enumerate(made.poses) for w in p.weak],
+        "residual_px": [dict(p.residual_px) for p in made.poses],
+    }
+
+
+def describe(made: edl.Edl) -> str:
+    """What was decided, in a few lines for people."""
+    seconds = made.frames / made.rate
+    lines = [
+        f"{len(made.cameras)} cameras, {format_time(seconds)} at {float(made.rate):.6g} frames/s, "
+        f"{len(made.shots)} shots, {len(made.overrides)} overrides"
+    ]
+    for movement in made.movements:
+        start, stop = (format_time(f / made.rate) for f in (movement.range.start, movement.range.stop))
+        lines.append(f"  the lamp moves from {start} to {stop} (confidence {movement.confidence:.0%})")
+    for pose in made.poses:
+        fits = ", ".join(f"{n} {v:.1f}" for n, v in pose.residual_px.items())
+        at = format_time(pose.range.start / made.rate)
+        lines.append(f"  pose from {at}, perspective {pose.perspective}: residual px {fits or 'none'}")
+        lines += [f"    weak: {w.camera}: {w.reason}" for w in pose.weak]
+    return "\n".join(lines)

@@ -1,0 +1,30 @@
+"""The commands, one module each, in the order of the work."""
+
+import click
+
+from .analyse import analyse
+from .blender import blender_group
+from .conform import conform
+from .demo import demo
+from .evaluate import evaluate
+from .look import look
+from .plugins import list_plugins
+from .render import render
+from .report import report
+from .simulate import simulate
+from .timeline import pull, timeline
+
+COMMANDS: tuple[click.Command, ...] = (
+    demo,
+    simulate,
+    analyse,
+    timeline,
+    look,
+    pull,
+    conform,
+    render,
+    evaluate,
+    report,
+    list_plugins,
+    blender_group,
+)

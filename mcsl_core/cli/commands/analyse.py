@@ -1,0 +1,57 @@
+"""`mcsl analyse`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from mcsl_core.cli.options import PATH, stage_options
+from mcsl_core.cli.output import Session
+from mcsl_core.errors import UsageError
+from mcsl_core.timing import parse_rate
+
+
+@click.command()
+@click.argument("recording", type=PATH, nargs=-1, required=True)
+@click.option("-o", "--out", type=PATH, required=True, help="The EDL; an existing one keeps its overrides.")
+@click.option("--reference", metavar="CAMERA", help="Whose perspective the programme keeps (default: the first).")
+@click.option("--rate", help="Programme frames per second (default: the reference camera's).")
+@click.option("--sync", default="auto", show_default=True, help="auto (first sure), timecode, audio, motion or none.")
+@click.option("--gaze", type=PATH, multiple=True, help="Where viewers looked (CSV): centres that, not the field.")
+@click.option("--no-cache", is_flag=True, help="Neither use nor keep results of stages beside the EDL.")
+@stage_options
+@click.pass_obj
+def analyse(
+    session: Session,
+    recording: tuple[Path, ...],
+    out: Path,
+    reference: str | None,
+    rate: str | None,
+    sync: str,
+    gaze: tuple[Path, ...],
+    no_cache: bool,
+    **stages: str | None,
+) -> None:
+    """Decide everything: a recording becomes an EDL.
+
+    RECORDING is a folder with one file per camera, or the camera files in order.
+    """
+    from mcsl_core.analysis import pipeline, summary
+    from mcsl_core.analysis.settings import AnalysisSettings
+    from mcsl_core.hooks import registry
+
+    try:
+        settings = AnalysisSettings(
+            reference=reference,
+            rate=parse_rate(rate) if rate else None,
+            sync=sync,
+            gaze=gaze,
+            cache=not no_cache,
+            stages={stage: name for stage, name in stages.items() if name},
+        )
+    except ValueError as error:
+        raise UsageError(str(error)) from error
+    with session.progress() as progress:
+        edl = pipeline.analyse(recording, out, settings=settings, plugins=registry.discover(), progress=progress)
+    session.result({"edl": str(out), **summary.summary(edl)}, f"{out}: {summary.describe(edl)}")

@@ -1,0 +1,65 @@
+"""`mcsl evaluate`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from mcsl_core.cli.options import PATH
+from mcsl_core.cli.output import Session
+from mcsl_core.errors import UsageError
+
+
+@click.command()
+@click.argument("edl", type=PATH, required=False)
+@click.option("--manual", type=PATH, help="Alignments by hand (JSON or CSV): measures Manual-alignment too.")
+@click.option(
+    "--manual-fit",
+    type=click.Choice(["similarity", "homography"]),
+    default="similarity",
+    show_default=True,
+    help="What point pairs set by hand become.",
+)
+@click.option(
+    "--every", default=1, show_default=True, metavar="N", help="One in N pairs within shots; 0: switches alone."
+)
+@click.option("--size", "width", default=640, show_default=True, metavar="W", help="Width of the pictures measured.")
+@click.option("--colour", is_flag=True, help="Match the cameras' colours in all variants.")
+@click.option("--study", type=PATH, help="Test the ratings of a viewers' questionnaire (CSV) instead.")
+@click.option("--csv", "csv_file", type=PATH, help="Write the figures as CSV.")
+@click.option("--json", "json_file", type=PATH, help="Write the figures as JSON (mcsl report takes it).")
+@click.pass_obj
+def evaluate(
+    session: Session, edl: Path | None, study: Path | None, csv_file: Path | None, json_file: Path | None, **how: Any
+) -> None:
+    """Measure how steady the programme of EDL is.
+
+    ITF and AvSpeed without alignment, aligned by hand, and as mcsl makes it; docs/evaluation.md says how.
+    """
+    from mcsl_core.cli import console
+    from mcsl_core.documents import write_atomic
+
+    if study is not None and edl is None:
+        from mcsl_core.evaluation import questionnaire
+
+        tests = questionnaire.analyse_study(study)
+        shown, as_csv, as_json = console.study_table(tests), questionnaire.to_csv(tests), questionnaire.to_json(tests)
+    elif edl is not None and study is None:
+        from mcsl_core.evaluation import evaluate as evaluating
+        from mcsl_core.evaluation import results
+
+        with session.progress() as progress:
+            found = evaluating.evaluate_file(edl, **how, progress=progress)
+        shown, as_csv, as_json = console.steadiness_table(found), results.to_csv(found), results.to_json(found)
+    else:
+        raise UsageError("takes an EDL, or --study with a file of ratings", remedy="See: mcsl evaluate --help")
+    for path, text in ((csv_file, as_csv), (json_file, as_json)):
+        if path is not None:
+            write_atomic(path, text.encode())
+    if session.json:
+        session.json.result(json.loads(as_json))
+    else:
+        session.out.print(shown, soft_wrap=False)

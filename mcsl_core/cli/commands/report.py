@@ -1,0 +1,27 @@
+"""`mcsl report`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from mcsl_core.cli.options import PATH
+from mcsl_core.cli.output import Session
+
+
+@click.command()
+@click.argument("edl", type=PATH)
+@click.option("-o", "--out", type=PATH, required=True, help="The page (.html).")
+@click.option("--figures", type=PATH, help="From mcsl evaluate --json (default: measured at the switches).")
+@click.pass_obj
+def report(session: Session, edl: Path, out: Path, figures: Path | None) -> None:
+    """Write a page about EDL that is read in a minute.
+
+    Cameras, shots, movements, alignment, clocks and steadiness; self-contained, for any browser.
+    """
+    from mcsl_core.report.page import write_report
+
+    with session.progress() as progress:
+        write_report(edl, out, figures_path=figures, progress=progress)
+    session.result({"report": str(out)}, f"{out}: {out.stat().st_size / 1e6:.1f} MB, open it in a browser")

@@ -1,0 +1,46 @@
+"""`mcsl simulate`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from mcsl_core.cli.options import PATH
+from mcsl_core.cli.output import Session
+from mcsl_core.errors import UsageError
+from mcsl_core.timing import parse_rate
+
+
+@click.command()
+@click.argument("out", type=PATH)
+@click.option("--seed", default=0, show_default=True)
+@click.option("--duration", "duration_s", default=60.0, show_default=True, metavar="S", help="Seconds.")
+@click.option("--size", default="960x540", show_default=True, metavar="WxH")
+@click.option("--rate", default="30000/1001", show_default=True, help="Frames per second.")
+@click.option("--cameras", default=5, show_default=True)
+@click.option("--movements", default=1, show_default=True, help="How often the lamp is moved.")
+@click.option("--drape", type=click.Choice(["green", "blue", "white", "skin"]), default="green", show_default=True)
+@click.option("--skin", type=click.Choice(["light", "medium", "dark"]), default="light", show_default=True)
+@click.option("--gloves", type=click.Choice(["white", "blue", "skin"]), default="white", show_default=True)
+@click.pass_obj
+def simulate(session: Session, out: Path, size: str, rate: str, **scene: Any) -> None:
+    """Make a recording with known truth.
+
+    Camera files and truth.json go into the folder OUT.
+    """
+    from mcsl_core.simulation import Scenario
+    from mcsl_core.simulation import simulate as run
+
+    try:
+        width, height = (int(v) for v in size.lower().split("x"))
+        scenario = Scenario(size=(width, height), rate=parse_rate(rate), **scene)
+    except ValueError as error:
+        raise UsageError(str(error), remedy="See: mcsl simulate --help") from error
+    with session.progress() as progress:
+        truth = run(scenario, out, progress)
+    session.result(
+        {"folder": str(out), "frames": truth.frames, "movements": len(truth.movements)},
+        f"{out}: {len(truth.cameras)} cameras, {truth.frames} frames, {len(truth.movements)} lamp movements",
+    )

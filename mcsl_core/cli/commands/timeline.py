@@ -1,0 +1,45 @@
+"""`mcsl timeline` and `mcsl pull`: to Blender and back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from mcsl_core.cli.options import PATH
+from mcsl_core.cli.output import Session
+
+
+@click.command()
+@click.argument("edl", type=PATH)
+@click.option("-o", "--out", type=PATH, required=True, help="The .blend file.")
+@click.option("--preset", default="h264", show_default=True, help="Render settings the file is given.")
+@click.option("--conformed", type=PATH, help="Folder of conformed media (default: beside the EDL, where present).")
+@click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
+@click.pass_obj
+def timeline(session: Session, edl: Path, out: Path, preset: str, conformed: Path | None, blender: str | None) -> None:
+    """Build the Blender timeline of EDL."""
+    from mcsl_core.blender import installation
+    from mcsl_core.blender.timeline import build_timeline
+
+    with session.progress() as progress:
+        values = build_timeline(
+            edl, out, blender=installation.find(blender), preset=preset, conformed=conformed, progress=progress
+        )
+    session.result({"blend": str(out), **(values or {})}, f"{out}: open it in Blender, or render it: mcsl render {out}")
+
+
+@click.command()
+@click.argument("blend", type=PATH)
+@click.option("-o", "--out", type=PATH, help="The EDL to write (default: the one the timeline was built from).")
+@click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
+@click.pass_obj
+def pull(session: Session, blend: Path, out: Path | None, blender: str | None) -> None:
+    """Read the editor's changes in BLEND as overrides."""
+    from mcsl_core.blender import installation
+    from mcsl_core.blender.timeline import pull_overrides
+
+    with session.progress() as progress:
+        edl = pull_overrides(blend, out, blender=installation.find(blender), progress=progress)
+    count = len(edl.overrides)
+    session.result({"overrides": count}, f"{count} override{'s' * (count != 1)}")

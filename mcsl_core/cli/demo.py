@@ -1,0 +1,101 @@
+"""The whole way once, on a simulated recording, so that a newcomer sees what comes out before bringing a recording."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from attrs import frozen
+
+from mcsl_core.analysis.pipeline import analyse
+from mcsl_core.analysis.settings import AnalysisSettings
+from mcsl_core.analysis.summary import describe, summary
+from mcsl_core.blender import installation as blenders
+from mcsl_core.blender import render as rendering
+from mcsl_core.blender.timeline import build_timeline
+from mcsl_core.edl import Edl
+from mcsl_core.errors import InputError
+from mcsl_core.hooks.registry import discover
+from mcsl_core.progress import Progress
+from mcsl_core.report.contact_sheet import contact_sheet, save_picture
+from mcsl_core.simulation import Scenario, Truth, alignment_error, best_plane_error, simulate
+
+DURATION_S = 40.0
+
+
+@frozen
+class Demo:
+    """What the demo made: ``values`` for programs, ``text`` for people."""
+
+    values: dict[str, Any]
+    text: str
+
+
+def run_demo(folder: Path, *, seed: int, blender: str | None, progress: Progress) -> Demo:
+    """Simulates, analyses, builds the timeline and renders into ``folder``; says where everything lies.
+
+    Raises InputError when ``folder`` holds something that is not a demo, so that nothing of yours is overwritten.
+    """
+    if not (folder / "recording" / "truth.json").exists() and not _is_free(folder):
+        raise InputError("is not empty", where=str(folder), remedy="Name a new folder: mcsl demo FOLDER")
+    desk = blenders.find(blender)
+    recording, edl_path = folder / "recording", folder / "edl.json"
+    blend, video, sheet = folder / "edit.blend", folder / "programme.mp4", folder / "contact-sheet.png"
+    truth = simulate(Scenario(seed=seed, duration_s=DURATION_S, movements=1), recording, progress)
+    made = analyse([recording], edl_path, settings=AnalysisSettings(), plugins=discover(), progress=progress)
+    build_timeline(edl_path, blend, blender=desk, progress=progress)
+    rendering.render(blend, video, preset="h264", engine="blender", blender=desk, progress=progress)
+    middles = [(p.range.start + p.range.stop) // 2 for p in made.poses]
+    save_picture(contact_sheet(made, folder, middles[:3]), sheet)
+    errors = alignment_errors(truth, made)
+    places = {
+        "recording": recording,
+        "edl": edl_path,
+        "timeline": blend,
+        "video": video,
+        "contact_sheet": sheet,
+    }
+    values = {k: str(v) for k, v in places.items()} | summary(made) | {"alignment": errors}
+    return Demo(values, _text(places, made, truth, errors))
+
+
+def _is_free(folder: Path) -> bool:
+    """Whether nothing lies there but what a demo leaves that was stopped while it simulated: an empty recording."""
+    inside = list(folder.iterdir()) if folder.exists() else []
+    return all(p.name == "recording" and p.is_dir() and not any(p.iterdir()) for p in inside)
+
+
+def alignment_errors(truth: Truth, made: Edl) -> list[dict[str, Any]]:
+    """Per pose of the truth and camera: rms error over the field in px, and the best single plane's.
+
+    The pose of the EDL is the one that holds the middle of the true pose.
+    """
+    rows = []
+    for index, still in enumerate(truth.poses):
+        pose = made.pose_at(sum(still.range) // 2)
+        for camera in truth.cameras:
+            if camera != made.reference and camera in pose.homographies:
+                error = alignment_error(truth, index, camera, np.array(pose.homographies[camera]))
+                best = best_plane_error(truth, index, camera)
+                rows.append(
+                    {"pose": index, "camera": camera, "error_px": round(error, 2), "best_plane_px": round(best, 2)}
+                )
+    return rows
+
+
+def _text(places: dict[str, Path], made: Edl, truth: Truth, errors: list[dict[str, Any]]) -> str:
+    wide = max(len(name) for name in places)
+    lines = [f"{name.replace('_', ' '):<{wide}}  {path}" for name, path in places.items()]
+    lines += ["", describe(made)]
+    if errors:
+        mean = sum(e["error_px"] for e in errors) / len(errors)
+        best = sum(e["best_plane_px"] for e in errors) / len(errors)
+        lines.append(
+            f"alignment error over the field: {mean:.1f} px; the best single plane's for this relief: {best:.1f} px"
+        )
+    true = ", ".join(
+        f"{start / float(truth.rate):.1f}-{stop / float(truth.rate):.1f} s" for start, stop in truth.movements
+    )
+    lines.append(f"true movements: {true or 'none'}")
+    return "\n".join(lines)

@@ -1,0 +1,104 @@
+"""The command line: flags in, text or JSON lines out; nothing else. Each command is a module of `commands`.
+
+Exit codes: 0 done, 2 wrong call, 3 input refused, 4 failed, 130 stopped.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import sys
+
+import click
+
+from mcsl_core import __version__
+from mcsl_core.errors import Cancelled, McslError, UsageError
+from mcsl_core.progress import JsonLines
+
+from .commands import COMMANDS
+from .options import Commands
+from .output import Session, own_output
+
+
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(__version__, prog_name="mcsl")
+@click.option(
+    "--progress",
+    type=click.Choice(["auto", "bar", "lines", "json", "none"]),
+    default="auto",
+    help="How long work reports: a bar, one line a stage, one JSON object a line on standard output, or not at all.",
+)
+@click.option("--debug", is_flag=True, help="Show the traceback of an error.")
+@click.pass_context
+def cli(ctx: click.Context, progress: str, debug: bool) -> None:
+    """One steady, unoccluded video from the cameras of a surgical lamp.
+
+    \b
+    recording --analyse--> EDL --timeline--> edit.blend --pull--> overrides --render--> video
+
+    Try it without a recording of your own: mcsl demo
+    """
+    ctx.obj = Session(progress, debug)
+
+
+for command in COMMANDS:
+    cli.add_command(command)
+
+
+def _stop(_signal: int, _frame: object) -> None:
+    raise KeyboardInterrupt
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Runs the command line and returns its exit code; every error is one line for people."""
+    with contextlib.suppress(ValueError):  # not in the main thread: nobody sends us signals there
+        signal.signal(signal.SIGTERM, _stop)
+    own_output()
+    arguments = sys.argv[1:] if arguments is None else arguments
+    debug, as_json = "--debug" in arguments, _wants_json(arguments)
+    try:
+        cli.main(arguments, prog_name="mcsl", standalone_mode=False)
+        return 0
+    except click.exceptions.Exit as done:
+        return done.exit_code
+    except (KeyboardInterrupt, click.Abort, Cancelled):
+        return _fail(Cancelled(), as_json)
+    except click.ClickException as error:
+        if isinstance(error, click.UsageError) and not as_json:
+            error.show()
+            return 2
+        return _fail(UsageError(error.format_message()), as_json)
+    except McslError as error:
+        if debug:
+            raise
+        return _fail(error, as_json)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except Exception as error:
+        if debug:
+            raise
+        unexpected = McslError(
+            f"{type(error).__name__}: {error}",
+            where="internal error",
+            remedy="Run again with `mcsl --debug ...` and report what it shows",
+        )
+        return _fail(unexpected, as_json)
+
+
+def _wants_json(arguments: list[str]) -> bool:
+    pairs = zip(arguments, [*arguments[1:], ""], strict=True)
+    return "--progress=json" in arguments or any(pair == ("--progress", "json") for pair in pairs)
+
+
+def _fail(error: McslError, as_json: bool) -> int:
+    if as_json:
+        JsonLines(sys.stdout).error(error.what, error.where, error.remedy, error.exit_code)
+    else:
+        print(f"mcsl: {error}", file=sys.stderr)
+    return error.exit_code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

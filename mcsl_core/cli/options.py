@@ -1,0 +1,27 @@
+"""What the commands' options share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from mcsl_core.hooks.stages import STAGES
+
+PATH = click.Path(path_type=Path)
+
+
+class Commands(click.Group):
+    """Lists the commands in the order of the work, not of the alphabet."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(self.commands)
+
+
+def stage_options(command: Any) -> Any:
+    """--movement NAME, --occlusion NAME, ...: which plugin does each stage."""
+    for name, stage in reversed(list(STAGES.items())):
+        text = f"Plugin that {stage.purpose} (default: {stage.default})."
+        command = click.option(f"--{name}", metavar="NAME", help=text)(command)
+    return command

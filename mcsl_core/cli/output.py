@@ -1,0 +1,70 @@
+"""One call of the command line: how its progress is shown, and how its result is told.
+
+Standard output is for results, and with ``--progress json`` for one message a line: programs read it. Plugins and the
+libraries under them print as they like, from C too, so what anybody else prints goes to standard error.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from rich.console import Console
+
+from mcsl_core.progress import JsonLines, Progress
+
+
+def own_output() -> None:
+    """Puts `sys.stdout` on a descriptor of its own, so that who writes to descriptor 1 itself writes to standard error.
+
+    Not at a terminal, where nobody parses; and for good, because C's buffers are written out after everything else.
+    """
+    given = sys.stdout
+    try:
+        if given.isatty() or given.fileno() != 1:
+            return
+    except (AttributeError, OSError, ValueError):  # none, closed, or no file
+        return
+    given.flush()
+    sys.stdout = os.fdopen(os.dup(1), "w", encoding=given.encoding, errors=given.errors)
+    os.dup2(2, 1)
+
+
+class Session:
+    """What every command shares: how progress is shown, and how the result is told."""
+
+    def __init__(self, progress: str, debug: bool) -> None:
+        self.debug = debug
+        self.out = Console(highlight=False, soft_wrap=True)
+        self.err = Console(stderr=True, highlight=False)
+        terminal = "bar" if sys.stderr.isatty() else "lines"
+        self.mode = terminal if progress == "auto" else progress
+        self.json = JsonLines(sys.stdout) if self.mode == "json" else None
+
+    @contextlib.contextmanager
+    def progress(self) -> Iterator[Progress]:
+        """The progress of one piece of long work; what is printed meanwhile goes to standard error."""
+        from mcsl_core.progress import Silent
+
+        from .console import Bars, Lines
+
+        with contextlib.redirect_stdout(sys.stderr):
+            if self.json:
+                yield self.json
+            elif self.mode == "bar":
+                with Bars(self.err) as bars:
+                    yield bars
+            elif self.mode == "lines":
+                yield Lines(lambda line: print(line, file=sys.stderr, flush=True))
+            else:
+                yield Silent()
+
+    def result(self, values: Mapping[str, Any], text: str) -> None:
+        """The end of a success: ``values`` for programs, ``text`` for people."""
+        if self.json:
+            self.json.result(values)
+        else:
+            self.out.print(text)

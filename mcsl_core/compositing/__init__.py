@@ -1,0 +1,1 @@
+"""Programme frames: one single resampling from camera pixel to programme pixel, colour, fill."""

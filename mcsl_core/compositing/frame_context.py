@@ -1,0 +1,129 @@
+"""One programme frame as a filler sees it; looks at other cameras cost something only when they are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+
+import cv2
+import numpy as np
+from attrs import field, frozen
+from numpy.typing import NDArray
+
+from mcsl_core.alignment.colour_match import apply_colour
+from mcsl_core.edl.placement import other_poses
+from mcsl_core.imaging.planes import U8, Planes, black, blurred
+from mcsl_core.imaging.rect import Rect
+from mcsl_core.timing import FrameRange
+
+from .camera_warper import CameraWarper, Offset
+
+_GRID = 4.0  # while the centering moves, footprints are worked out anew every so many pixels
+
+
+@frozen(eq=False)
+class FrameContext:
+    """See `filling.View`."""
+
+    warper: CameraWarper
+    frame: int
+    camera: str
+    pose_index: int
+    offset: Offset
+    colour: bool
+    steady: bool  # the centering stands still
+    previous: Planes | None = field(default=None)
+    _front: list[Planes] = field(factory=list, init=False)
+
+    @property
+    def front(self) -> Planes:
+        if not self._front:
+            planes = self.picture(self.camera, Rect(0, 0, *self.size))
+            self._front.append(black(self.size) if planes is None else planes)
+        return self._front[0]
+
+    @property
+    def rate(self) -> float:
+        return float(self.warper.edl.rate)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        return self.warper.edl.size
+
+    @property
+    def others(self) -> Sequence[str]:
+        return self.warper.others(self.pose_index, self.camera)
+
+    @property
+    def still(self) -> FrameRange:
+        return self.warper.still[self.pose_index]
+
+    @property
+    def elsewhere(self) -> Sequence[FrameRange]:
+        return [self.warper.still[i] for i in other_poses(self.warper.edl, self.pose_index)]
+
+    @property
+    def geometry(self) -> Hashable:
+        return self.warper.geometry, self.pose_index, self.camera, self.steady, *self._about()
+
+    def _about(self) -> Offset:
+        if self.steady:
+            return self.offset
+        dx, dy = (round(v / _GRID) * _GRID for v in self.offset)
+        return dx, dy
+
+    def change(self, camera: str, median_of: Sequence[int]) -> NDArray[np.float32]:
+        return self.warper.change(self.pose_index, camera, self.offset, self.frame, tuple(median_of))
+
+    def _is_front(self, pose_index: int, camera: str) -> bool:
+        return (pose_index, camera) == (self.pose_index, self.camera)
+
+    def footprint(self, camera: str, frame: int | None = None, *, parallax_corrected: bool = False) -> U8:
+        pose_index = self.pose_index if frame is None else self.warper.pose_at(frame)
+        edge = self._is_front(pose_index, camera)
+        mask = self.warper.footprint(
+            pose_index, camera, self._about(), parallax_corrected=parallax_corrected, edge=edge
+        )
+        if not self.steady:  # shared by offsets up to half the grid away: seen by all of them
+            mask = cv2.erode(mask, np.ones((3, 3), np.uint8), borderType=cv2.BORDER_REPLICATE)
+        return mask  # pyright: ignore[reportReturnType]
+
+    def picture(
+        self,
+        camera: str,
+        rect: Rect,
+        median_of: Sequence[int] = (),
+        blur_px: float = 0.0,
+        *,
+        parallax_corrected: bool = False,
+    ) -> Planes | None:
+        if not median_of:
+            planes = self.warper.own_picture(camera, self.frame)
+            return self._laid(camera, rect, planes, self.pose_index, blur_px, parallax_corrected)
+
+        def make() -> Planes | None:
+            pose_index = self.warper.pose_at(median_of[0])
+            planes = self.warper.median(camera, median_of) if self.warper.knows(pose_index, camera) else None
+            return self._laid(camera, rect, planes, pose_index, blur_px, parallax_corrected)
+
+        if not self.steady:
+            return make()
+        key = camera, rect, tuple(median_of), blur_px, parallax_corrected, self.offset, self.colour
+        return self.warper.patches.of(key, make, lambda planes: planes.y.size * 3 // 2)
+
+    def _laid(
+        self, camera: str, rect: Rect, planes: Planes | None, pose_index: int, blur_px: float, parallax_corrected: bool
+    ) -> Planes | None:
+        if planes is None:
+            return None
+        edge = self._is_front(pose_index, camera)
+        border = 2 * round(1.5 * blur_px)
+        wide = rect.grown(border)
+        if parallax_corrected:
+            planes = self.warper.parallax_corrected(
+                planes, pose_index, camera, self.offset, wide, edge=edge, again=self.steady
+            )
+        else:
+            planes = self.warper.warped(planes, pose_index, camera, self.offset, wide)
+        match = self.warper.edl.poses[pose_index].colour.get(camera) if self.colour else None
+        planes = planes if match is None else apply_colour(planes, match)
+        return Rect(border, border, rect.width, rect.height).of(blurred(planes, blur_px)) if blur_px else planes

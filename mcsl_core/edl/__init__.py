@@ -1,0 +1,54 @@
+"""The edit-decision list: the one document between analysis, editor and renderer. Written out in docs/edl.md.
+
+The document's classes and its reading and writing, under one name: ``from mcsl_core.edl import Edl, load``. What
+follows from a document stands beside: `resolve` (what holds after the editor's decisions), `placement` (where
+pictures lie), `edits` (changes to a whole document).
+"""
+
+from .schema import (
+    IDENTITY,
+    Camera,
+    CenteringKey,
+    Clock,
+    Colour,
+    Correction,
+    Edl,
+    Look,
+    MadeBy,
+    Matrix,
+    Matrix34,
+    Media,
+    Movement,
+    Override,
+    Pose,
+    Shot,
+    Weak,
+)
+from .serialization import SCHEMA, dumps, from_json, load, loads, save, to_json
+
+__all__ = [
+    "IDENTITY",
+    "SCHEMA",
+    "Camera",
+    "CenteringKey",
+    "Clock",
+    "Colour",
+    "Correction",
+    "Edl",
+    "Look",
+    "MadeBy",
+    "Matrix",
+    "Matrix34",
+    "Media",
+    "Movement",
+    "Override",
+    "Pose",
+    "Shot",
+    "Weak",
+    "dumps",
+    "from_json",
+    "load",
+    "loads",
+    "save",
+    "to_json",
+]

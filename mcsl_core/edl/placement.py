@@ -1,0 +1,80 @@
+"""Where a camera's picture lies in the programme: homography, anchor correction by hand, still ranges.
+
+Plain tuples, no numpy: Blender's side uses it too. Conventions as in `edl.schema`.
+"""
+
+from __future__ import annotations
+
+from mcsl_core.timing import FrameRange
+
+from .schema import Edl, Matrix, Pose
+
+
+def multiply(a: Matrix, b: Matrix) -> Matrix:
+    """The matrix product a @ b."""
+    rows = [tuple(sum(a[i][k] * b[k][j] for k in range(3)) for j in range(3)) for i in range(3)]
+    return rows[0], rows[1], rows[2]  # pyright: ignore[reportReturnType]
+
+
+def correction_of(edl: Edl, pose: Pose, camera: str) -> Matrix | None:
+    """The correction by hand that holds for ``camera`` in ``pose``, programme pixel -> programme pixel, or None.
+
+    It is the last in the list that covers more than half of the pose: a new analysis may move the pose's ends.
+    """
+    for correction in reversed(edl.corrections):
+        shared = correction.range.intersection(pose.range)
+        if correction.camera == camera and shared is not None and 2 * len(shared) > len(pose.range):
+            return correction.matrix
+    return None
+
+
+def placement_matrix(edl: Edl, pose: Pose, camera: str) -> Matrix | None:
+    """Camera pixel -> programme pixel in ``pose`` before centering: correction @ anchor @ homography.
+
+    None for a camera that nothing is known of: a weak one that nobody has placed by hand.
+    """
+    homography = pose.homographies.get(camera)
+    correction = correction_of(edl, pose, camera)
+    if homography is not None:
+        matrix = multiply(pose.anchor, homography)
+    elif correction is not None:
+        matrix = fit_matrix(edl.camera(camera).size, edl.size)
+    else:
+        return None
+    return matrix if correction is None else multiply(correction, matrix)
+
+
+def fit_matrix(size: tuple[int, int], to: tuple[int, int]) -> Matrix:
+    """Fits a picture of ``size`` (width, height) into one of size ``to``.
+
+    Edges, not centres, coincide: pixel x covers [x - 0.5, x + 0.5).
+    """
+    x, y = to[0] / size[0], to[1] / size[1]
+    return (x, 0.0, (x - 1) / 2), (0.0, y, (y - 1) / 2), (0.0, 0.0, 1.0)
+
+
+def still_range(edl: Edl, pose: Pose) -> FrameRange:
+    """The stretch of ``pose`` in which the lamp stands still; all of it where it never does."""
+    start, stop = pose.range.start, pose.range.stop
+    for movement in edl.movements:
+        if start in movement.range:
+            start = movement.range.stop
+        if stop - 1 in movement.range:
+            stop = movement.range.start
+    return FrameRange(start, stop) if start < stop else pose.range
+
+
+def other_poses(edl: Edl, pose_index: int) -> tuple[int, ...]:
+    """The other poses of the perspective of pose ``pose_index``: earlier ones, the latest first, then later ones."""
+    same = [i for i, pose in enumerate(edl.poses) if pose.perspective == edl.poses[pose_index].perspective]
+    return (*(i for i in reversed(same) if i < pose_index), *(i for i in same if i > pose_index))
+
+
+def first_of_perspective(edl: Edl, pose_index: int) -> int:
+    """The first pose of that pose's perspective with a known place for the reference camera; the pose itself without.
+
+    The perspective is that camera's there: what lies off the plane lies right in its picture, and beside it elsewhere.
+    """
+    pose = edl.poses[pose_index]
+    same = (i for i, other in enumerate(edl.poses) if other.perspective == pose.perspective)
+    return next((i for i in same if placement_matrix(edl, edl.poses[i], edl.reference) is not None), pose_index)

@@ -1,0 +1,340 @@
+"""The edit-decision list: the one document between analysis, editor and renderer. Written out in docs/edl.md.
+
+Conventions: ranges are half-open frame ranges on the programme clock; pixel centres lie at integers;
+homographies are 3x3 row-major, scaled so that the last element is 1, and act on full-size pixels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from fractions import Fraction
+from typing import Any
+
+import attrs
+from attrs import field, frozen
+from attrs.validators import optional
+
+from mcsl_core.documents import (
+    Bounds,
+    NotEmpty,
+    doc,
+    key_path,
+)
+from mcsl_core.errors import Fault
+from mcsl_core.timing import FrameRange, check_tiles
+
+Matrix = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
+Matrix34 = tuple[
+    tuple[float, float, float, float], tuple[float, float, float, float], tuple[float, float, float, float]
+]
+IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+UNIT = Bounds(0, 1)
+POSITIVE = Bounds(1)
+NOT_NEGATIVE = Bounds(0)
+
+
+def _require(condition: bool, what: str, at: str) -> None:
+    if not condition:
+        raise Fault(what, at)
+
+
+def _positive_rate(_: Any, attribute: attrs.Attribute[Any], value: Fraction) -> None:
+    _require(value > 0, f"a rate must be positive, got {value}", f".{attribute.name}")
+
+
+def _check_matrix(matrix: Matrix, at: str) -> None:
+    shape_is_right = isinstance(matrix, tuple) and [len(row) for row in matrix] == [3, 3, 3]
+    _require(shape_is_right, f"must be a tuple of three rows of three numbers, got {matrix!r}", at)
+    Bounds().check(matrix, at)
+    (a, b, c), (d, e, f), (g, h, i) = matrix
+    _require(abs(i - 1) < 1e-9, f"must be scaled so that its last element is 1, got {i}", f"{at}[2][2]")
+    determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+    _require(abs(determinant) > 1e-12, "is singular: it maps the picture to a line or a point", at)
+
+
+@frozen
+class Media:
+    """One file of a camera; a camera's files are played one after another."""
+
+    path: str = field(validator=NotEmpty(), metadata=doc("relative to the EDL's folder, or absolute; forward slashes"))
+    frames: int = field(validator=POSITIVE, metadata=doc("pictures in the file"))
+    fingerprint: str = field(default="", metadata=doc("content key: changes when the file does"))
+
+
+@frozen
+class Clock:
+    """A camera's own time is ``(t - offset_s) * (1 + drift_ppm * 1e-6)`` at programme time t seconds."""
+
+    offset_s: float = field(
+        default=0.0, validator=Bounds(), metadata=doc("programme time in seconds at which the camera's time is 0")
+    )
+    drift_ppm: float = field(
+        default=0.0,
+        validator=Bounds(-100_000, 100_000),
+        metadata=doc("how much faster the camera's clock runs, parts per million"),
+    )
+    method: str = field(default="none", metadata=doc("which sync found it: timecode, audio, motion, none, hand"))
+    confidence: float = field(default=0.0, validator=UNIT, metadata=doc("0 (a guess) to 1 (certain)"))
+
+    def camera_time(self, programme_s: float | Fraction) -> float:
+        """The camera's own time in seconds at programme time ``programme_s``."""
+        return (float(programme_s) - self.offset_s) * (1 + self.drift_ppm * 1e-6)
+
+    def programme_time(self, camera_s: float | Fraction) -> float:
+        """The programme time in seconds at the camera's own time ``camera_s``; the inverse of `camera_time`."""
+        return float(camera_s) / (1 + self.drift_ppm * 1e-6) + self.offset_s
+
+
+@frozen
+class Camera:
+    """One view: its files, their size and rate, and how its clock stands to the programme's."""
+
+    name: str = field(validator=NotEmpty(), metadata=doc("unique; used everywhere else in this document"))
+    media: tuple[Media, ...] = field(validator=NotEmpty(), metadata=doc("played one after another"))
+    size: tuple[int, int] = field(validator=POSITIVE, metadata=doc("displayed width and height in pixels"))
+    rate: Fraction = field(validator=_positive_rate, metadata=doc("nominal frames per second"))
+    clock: Clock = field(factory=Clock, metadata=doc("relation to the programme clock"))
+    gaps: tuple[FrameRange, ...] = field(default=(), metadata=doc("programme ranges with no picture, in order"))
+
+
+@frozen
+class Movement:
+    """A stretch in which the lamp moves."""
+
+    range: FrameRange = field(metadata=doc("first moving frame to first frame standing still again"))
+    confidence: float = field(default=1.0, validator=UNIT, metadata=doc("how sure the detector is"))
+
+
+@frozen
+class Weak:
+    """A camera that cannot be tied to the others in a pose; no automatic shot uses it there."""
+
+    camera: str = field(metadata=doc("camera name"))
+    reason: str = field(metadata=doc("why, in words for a person"))
+
+
+@frozen
+class Colour:
+    """Matches a camera's colours to the reference camera's."""
+
+    matrix: Matrix34 = field(
+        validator=Bounds(),
+        metadata=doc("[Y', Cb, Cr, 1] of the camera, BT.709 limited range, 8-bit codes -> of the reference camera"),
+    )
+
+
+@frozen
+class Pose:
+    """A stretch in which the lamp stands still, and how every camera then sees the programme's perspective."""
+
+    range: FrameRange = field(metadata=doc("poses tile [0, frames)"))
+    homographies: Mapping[str, Matrix] = field(
+        metadata=doc("camera pixel -> reference camera pixel; the reference's own is the identity; weak ones may lack")
+    )
+    anchor: Matrix = field(default=IDENTITY, metadata=doc("reference camera pixel of this pose -> programme pixel"))
+    perspective: int = field(
+        default=0, validator=NOT_NEGATIVE, metadata=doc("poses of one number share the programme's perspective")
+    )
+    colour: Mapping[str, Colour] = field(factory=dict, metadata=doc("camera -> match to the reference camera"))
+    solved_from: tuple[int, ...] = field(
+        default=(), validator=NOT_NEGATIVE, metadata=doc("programme frames the homographies were solved from")
+    )
+    residual_px: Mapping[str, float] = field(
+        factory=dict,
+        validator=NOT_NEGATIVE,
+        metadata=doc("camera -> rms transfer error of the matches kept, reference pixels"),
+    )
+    support: Mapping[str, int] = field(
+        factory=dict,
+        validator=NOT_NEGATIVE,
+        metadata=doc("camera -> distinct places (4-pixel cells) its matches come from"),
+    )
+    weak: tuple[Weak, ...] = field(default=(), metadata=doc("cameras that could not be tied in, and why"))
+
+    def __attrs_post_init__(self) -> None:
+        for name, matrix in self.homographies.items():
+            _check_matrix(matrix, f".homographies{key_path(name)}")
+        _check_matrix(self.anchor, ".anchor")
+
+    @property
+    def weak_cameras(self) -> frozenset[str]:
+        return frozenset(w.camera for w in self.weak)
+
+
+@frozen
+class Shot:
+    """A stretch of the programme taken from one camera, as the analysis chose it."""
+
+    range: FrameRange = field(metadata=doc("shots tile [0, frames)"))
+    camera: str = field(metadata=doc("camera name"))
+    score: float = field(default=0.0, validator=UNIT, metadata=doc("mean visible field over the shot"))
+    why: str = field(default="", metadata=doc("the reason, in words for a person"))
+
+
+@frozen
+class Override:
+    """An editor's decision over a stretch: each field given wins over the analysis; of two, the later in the list."""
+
+    range: FrameRange = field(metadata=doc("where it holds"))
+    camera: str | None = field(default=None, metadata=doc("take this camera", optional=True))
+    centering: bool | None = field(default=None, metadata=doc("centering on or off", optional=True))
+    fill: bool | None = field(default=None, metadata=doc("fill on or off", optional=True))
+    colour: bool | None = field(default=None, metadata=doc("colour matching on or off", optional=True))
+    offset: tuple[float, float] | None = field(
+        default=None,
+        validator=optional(Bounds()),
+        metadata=doc("[dx, dy] in programme pixels, by hand, in place of the automatic centering", optional=True),
+    )
+    note: str = field(default="", metadata=doc("the editor's remark", optional=True))
+
+
+@frozen
+class Correction:
+    """An editor's correction of where a camera's picture lies; it holds in the poses of which it covers most."""
+
+    range: FrameRange = field(metadata=doc("where it holds"))
+    camera: str = field(metadata=doc("camera name"))
+    matrix: Matrix = field(metadata=doc("programme pixel -> programme pixel, after homography and anchor"))
+    note: str = field(default="", metadata=doc("the editor's remark", optional=True))
+
+    def __attrs_post_init__(self) -> None:
+        _check_matrix(self.matrix, ".matrix")
+
+
+@frozen
+class Look:
+    """The visual aids, each on or off for the whole programme."""
+
+    centering: bool = field(default=True, metadata=doc("shift the surgical field to the middle"))
+    fill: bool = field(default=True, metadata=doc("fill pixels the warp leaves empty from other views"))
+    colour: bool = field(default=True, metadata=doc("match each camera's colours to the reference camera"))
+
+
+@frozen
+class MadeBy:
+    """What made the analysis, so that it can be made again."""
+
+    mcsl: str = field(metadata=doc("version of mcsl"))
+    settings: Mapping[str, Any] = field(factory=dict, metadata=doc("settings of the analysis"))
+    plugins: Mapping[str, str] = field(factory=dict, metadata=doc("stage -> name, package and version that did it"))
+
+
+CenteringKey = tuple[int, float, float]
+
+
+@frozen(kw_only=True)
+class Edl:
+    """The whole document."""
+
+    rate: Fraction = field(
+        validator=_positive_rate, metadata=doc("programme frames per second; frame n stands at n / rate seconds")
+    )
+    size: tuple[int, int] = field(validator=POSITIVE, metadata=doc("programme width and height in pixels"))
+    frames: int = field(validator=POSITIVE, metadata=doc("length of the programme"))
+    reference: str = field(metadata=doc("the camera whose perspective the programme keeps"))
+    cameras: tuple[Camera, ...] = field(validator=NotEmpty(), metadata=doc("every view"))
+    movements: tuple[Movement, ...] = field(default=(), metadata=doc("when the lamp moves, in order"))
+    poses: tuple[Pose, ...] = field(
+        metadata=doc(
+            "stretches in which the lamp stands still; a movement's first half "
+            "belongs to the pose before it, its second to the pose after"
+        )
+    )
+    shots: tuple[Shot, ...] = field(metadata=doc("the automatic decisions"))
+    overrides: tuple[Override, ...] = field(default=(), metadata=doc("the editor's decisions; analysis keeps them"))
+    corrections: tuple[Correction, ...] = field(
+        default=(),
+        metadata=doc("alignment corrected by hand; analysis keeps it; of two, the later in the list", optional=True),
+    )
+    look: Look = field(factory=Look, metadata=doc("visual aids for the whole programme"))
+    centering: tuple[CenteringKey, ...] = field(
+        default=(),
+        metadata=doc("[frame, dx, dy]: shift in programme pixels, linear between keys, held outside"),
+    )
+    scores: str | None = field(default=None, metadata=doc("path of the per-sample visible-field scores (.npz)"))
+    made_by: MadeBy | None = field(default=None, metadata=doc("what made the analysis"))
+
+    def __attrs_post_init__(self) -> None:
+        self._check_cameras()
+        self._check_movements()
+        self._check_poses()
+        self._check_decisions()
+        last = -1
+        for index, (frame, dx, dy) in enumerate(self.centering):
+            at = f".centering[{index}]"
+            _require(0 <= frame < self.frames, f"frame {frame} is outside [0, {self.frames})", f"{at}[0]")
+            _require(frame > last, f"keys must rise, got frame {frame} after {last}", f"{at}[0]")
+            Bounds().check(dx, f"{at}[1]")
+            Bounds().check(dy, f"{at}[2]")
+            last = frame
+
+    def _check_cameras(self) -> None:
+        seen: set[str] = set()
+        for index, camera in enumerate(self.cameras):
+            at = f".cameras[{index}]"
+            _require(camera.name not in seen, f"a camera before it is also called {camera.name!r}", f"{at}.name")
+            seen.add(camera.name)
+            self._check_ordered(camera.gaps, lambda i, at=at: f"{at}.gaps[{i}]")
+        self._check_names([(".reference", self.reference)])
+
+    def _check_movements(self) -> None:
+        self._check_ordered([m.range for m in self.movements], lambda i: f".movements[{i}].range")
+
+    def _check_poses(self) -> None:
+        check_tiles((p.range for p in self.poses), self.frames, "poses")
+        names = [c.name for c in self.cameras]
+        for index, pose in enumerate(self.poses):
+            at = f".poses[{index}]"
+            for part in ("homographies", "colour", "residual_px", "support"):
+                self._check_names((f"{at}.{part}{key_path(name)}", name) for name in getattr(pose, part))
+            self._check_names((f"{at}.weak[{i}].camera", w.camera) for i, w in enumerate(pose.weak))
+            missing = [n for n in names if n not in pose.homographies and n not in pose.weak_cameras]
+            _require(not missing, f"lacks {', '.join(missing)}, not weak either", f"{at}.homographies")
+            own = pose.homographies.get(self.reference)
+            place = f"{at}.homographies{key_path(self.reference)}"
+            _require(own is not None, "the reference camera has no homography; it is the identity", place)
+            _require(own == IDENTITY, "the reference camera's own homography must be the identity", place)
+
+    def _check_decisions(self) -> None:
+        check_tiles((s.range for s in self.shots), self.frames, "shots")
+        self._check_names((f".shots[{i}].camera", s.camera) for i, s in enumerate(self.shots))
+        for index, override in enumerate(self.overrides):
+            at = f".overrides[{index}]"
+            if override.camera is not None:
+                self._check_names([(f"{at}.camera", override.camera)])
+            self._check_inside(override.range, f"{at}.range")
+        for index, correction in enumerate(self.corrections):
+            at = f".corrections[{index}]"
+            self._check_names([(f"{at}.camera", correction.camera)])
+            self._check_inside(correction.range, f"{at}.range")
+
+    def _check_names(self, uses: Iterable[tuple[str, str]]) -> None:
+        names = [c.name for c in self.cameras]
+        for at, name in uses:
+            _require(name in names, f"{name!r} is not a camera, expected one of {', '.join(names)}", at)
+
+    def _check_inside(self, piece: FrameRange, at: str) -> None:
+        _require(piece.stop <= self.frames, f"{piece} ends after the programme's {self.frames} frames", at)
+
+    def _check_ordered(self, pieces: Iterable[FrameRange], at: Callable[[int], str]) -> None:
+        last = 0
+        for index, piece in enumerate(pieces):
+            self._check_inside(piece, at(index))
+            _require(piece.start >= last, f"{piece} begins before the one before it ends at {last}", at(index))
+            last = piece.stop
+
+    def camera(self, name: str) -> Camera:
+        """The camera of that name; KeyError when there is none."""
+        for camera in self.cameras:
+            if camera.name == name:
+                return camera
+        raise KeyError(name)
+
+    def pose_at(self, frame: int) -> Pose:
+        """The pose that programme frame ``frame`` lies in."""
+        for pose in self.poses:
+            if frame in pose.range:
+                return pose
+        raise IndexError(f"frame {frame} is outside [0, {self.frames})")

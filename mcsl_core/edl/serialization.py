@@ -1,0 +1,76 @@
+"""Reading and writing EDLs: JSON in and out, upgrades of older schemas, canonical text, atomic saving."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from mcsl_core.documents import (
+    canonical_json,
+    make_converter,
+    parse_json,
+    read_json,
+    structure_document,
+    write_atomic,
+)
+from mcsl_core.errors import DocumentError
+
+from .schema import Edl
+
+SCHEMA = "mcsl.edl/1"
+
+
+# ------------------------------------------------------------------------------------------ reading and writing
+
+_converter = make_converter()
+_UPGRADES: dict[
+    str, Callable[[dict[str, Any]], dict[str, Any]]
+] = {}  # schema -> function from its JSON value to the next schema's
+
+
+def from_json(value: Any, *, where: str = "") -> Edl:
+    """An EDL from its JSON value; DocumentError with the path to the wrong value and what was expected."""
+    if not isinstance(value, dict):
+        raise DocumentError("an EDL is a JSON object", where=where, remedy="Hand in the file that `mcsl analyse` wrote")
+    value = dict(value)
+    schema = value.get("schema")
+    while isinstance(schema, str) and schema in _UPGRADES:
+        value = _UPGRADES[schema](value)
+        schema = value["schema"]
+    if schema != SCHEMA:
+        family, _, version = str(schema).partition("/")
+        newer = family == "mcsl.edl" and version.isdecimal() and int(version) > int(SCHEMA.partition("/")[2])
+        found = f"is {schema!r}" + (", newer than this mcsl" if newer else "") if "schema" in value else "is missing"
+        raise DocumentError(
+            f"{found}; expected {SCHEMA!r}",
+            where=f"{where} at $.schema" if where else "$.schema",
+            remedy="Install a newer mcsl" if newer else "Hand in the file that `mcsl analyse` wrote",
+        )
+    del value["schema"]
+    return structure_document(value, Edl, _converter, where=where, name="the EDL (edl.md)")
+
+
+def to_json(edl: Edl) -> dict[str, Any]:
+    """The JSON value of an EDL, keys in the document's order."""
+    return {"schema": SCHEMA, **_converter.unstructure(edl, Edl)}
+
+
+def dumps(edl: Edl) -> str:
+    """Canonical text: the same EDL gives the same bytes."""
+    return canonical_json(to_json(edl))
+
+
+def loads(text: str, *, where: str = "") -> Edl:
+    """An EDL from its text; upgrades and checks like `load`."""
+    return from_json(parse_json(text, where=where), where=where)
+
+
+def load(path: str | Path) -> Edl:
+    """Reads, upgrades and checks an EDL; InputError or DocumentError say what is wrong and where."""
+    return from_json(read_json(Path(path)), where=str(path))
+
+
+def save(edl: Edl, path: str | Path) -> None:
+    """Writes the canonical text atomically."""
+    write_atomic(Path(path), dumps(edl).encode())

@@ -1,0 +1,1 @@
+"""How steady a programme is, by the paper's measures, and what viewers say of it."""

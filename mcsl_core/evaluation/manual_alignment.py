@@ -1,0 +1,231 @@
+"""Alignment by hand, the yardstick that ours is held against: what a person with an editing program can set.
+
+A similarity (move, turn, scale) is all that a strip transform offers; it is fitted to point pairs, or taken from
+the numbers an editor set in Blender. Matrices map camera pixel to programme pixel, full size, centres at integers.
+"""
+
+from __future__ import annotations
+
+import cmath
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import attrs
+import cv2
+import numpy as np
+from attrs import frozen
+from numpy.typing import ArrayLike, NDArray
+
+from mcsl_core.documents import make_converter, read_json, structure_document
+from mcsl_core.edl import IDENTITY, Edl, Matrix, Pose, Weak
+from mcsl_core.edl.resolve import resolve
+from mcsl_core.errors import DocumentError, Fault, InputError
+
+FITS = ("similarity", "homography")
+COLUMNS = ("pose", "camera", "x", "y", "programme_x", "programme_y")
+
+ByHand = Mapping[int, Mapping[str, Matrix]]  # pose index -> camera -> camera pixel to programme pixel
+
+
+def _scaled(values: ArrayLike) -> Matrix:
+    """A 3x3 array as the EDL writes it, its last element 1."""
+    matrix = np.asarray(values, np.float64)
+    rows = [tuple(float(v) for v in row) for row in matrix / matrix[2, 2]]
+    return rows[0], rows[1], rows[2]  # pyright: ignore[reportReturnType]
+
+
+def _points(source: ArrayLike, target: ArrayLike, least: int) -> tuple[NDArray, NDArray]:
+    a, b = np.asarray(source, np.float64), np.asarray(target, np.float64)
+    if a.ndim != 2 or a.shape[1:] != (2,) or a.shape != b.shape:
+        raise ValueError(f"expected as many points (x, y) on either side, got shapes {a.shape} and {b.shape}")
+    if len(a) < least:
+        raise ValueError(f"expected at least {least} point pairs, got {len(a)}")
+    return a, b
+
+
+def similarity_from_points(source: ArrayLike, target: ArrayLike) -> Matrix:
+    """The similarity with the least squared distance between moved ``source`` (N, 2) and ``target`` (N, 2), N >= 2.
+
+    ValueError where the points fix none: too few, or all in one place.
+    """
+    a, b = _points(source, target, 2)
+    z, q = a @ [1, 1j], b @ [1, 1j]
+    spread = np.sum(np.abs(z - z.mean()) ** 2)
+    turn = np.sum((z - z.mean()).conj() * (q - q.mean())) / spread if spread > 0 else 0j
+    if abs(turn) < 1e-9:
+        raise ValueError("the points lie in one place on one side")
+    return _similarity(complex(turn), complex(q.mean() - turn * z.mean()))
+
+
+def _similarity(turn: complex, shift: complex) -> Matrix:
+    """x + iy -> turn * (x + iy) + shift."""
+    return ((turn.real, -turn.imag, shift.real), (turn.imag, turn.real, shift.imag), (0.0, 0.0, 1.0))
+
+
+def homography_from_points(source: ArrayLike, target: ArrayLike) -> Matrix:
+    """The homography that brings ``source`` (N, 2) nearest to ``target`` (N, 2), N >= 4; ValueError without one."""
+    a, b = _points(source, target, 4)
+    found, _ = cv2.findHomography(a, b, 0)
+    if found is None or abs(np.linalg.det(found)) < 1e-12 or abs(found[2, 2]) < 1e-12:
+        raise ValueError("the points lie on a line")
+    return _scaled(found)
+
+
+@frozen
+class StripTransform:
+    """A strip's transform as Blender shows it: offset in render pixels (x right, y up), scale about the picture's
+    middle, rotation in radians, counter-clockwise. scale_y: the same as ``scale`` unless given."""
+
+    offset_x: float = 0.0
+    offset_y: float = 0.0
+    scale: float = 1.0
+    rotation: float = 0.0
+    scale_y: float | None = None
+
+    def matrix(self, camera_size: tuple[int, int], programme_size: tuple[int, int]) -> Matrix:
+        """Camera pixel -> programme pixel, exactly as Blender places the picture (scaled, turned, then moved)."""
+        turn = cmath.exp(-1j * self.rotation)  # y points down here
+        x, y = turn * self.scale, 1j * turn * (self.scale if self.scale_y is None else self.scale_y)
+        (cx, cy), (px, py) = (((w - 1) / 2, (h - 1) / 2) for w, h in (camera_size, programme_size))
+        shift = complex(px + self.offset_x, py - self.offset_y) - x * cx - y * cy
+        return ((x.real, y.real, shift.real), (x.imag, y.imag, shift.imag), (0.0, 0.0, 1.0))
+
+
+@frozen
+class _Entry:
+    """One camera's alignment in one pose, by its number or by a programme frame in it, or in all poses."""
+
+    camera: str
+    pose: int | None = None
+    frame: int | None = None
+    points: tuple[tuple[float, float, float, float], ...] | None = None
+    transform: StripTransform | None = None
+    homography: Matrix | None = None
+
+    def __attrs_post_init__(self) -> None:
+        given = [name for name in ("points", "transform", "homography") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise Fault(f"expected one of points, transform, homography, got {' and '.join(given) or 'none'}")
+        if self.pose is not None and self.frame is not None:
+            raise Fault("expected a pose or a frame in it, got both")
+        if self.points is not None and len(self.points) < 4:
+            raise Fault(f"expected four or more point pairs, got {len(self.points)}", ".points")
+
+
+@frozen
+class _File:
+    alignments: tuple[_Entry, ...]
+
+
+def load_manual(path: Path, edl: Edl, *, fit: str = "similarity") -> ByHand:
+    """Alignments by hand from a JSON or CSV file (docs/evaluation.md), one per pose and camera of ``edl``.
+
+    fit: what point pairs become, "similarity" or "homography". Without a camera's entry, the reference stays as it is;
+    any other camera that is shown must have one: DocumentError names what is missing or wrong.
+    """
+    read = _read_csv if path.suffix.lower() == ".csv" else _read_json
+    by_hand: dict[int, dict[str, Matrix]] = {index: {} for index in range(len(edl.poses))}
+    sizes = {camera.name: camera.size for camera in edl.cameras}
+    solved: dict[tuple[str, int | None], Matrix] = {}
+    for entry in read(path):
+        where = f"{path}, camera {entry.camera}" + ("" if entry.pose is None else f", pose {entry.pose}")
+        if entry.camera not in sizes:
+            raise DocumentError("the EDL has no such camera", where=where, remedy=f"It has {', '.join(sizes)}")
+        place = _pose_of(entry, edl, where)
+        try:
+            matrix = _solved(entry, sizes[entry.camera], edl.size, fit)
+        except ValueError as error:
+            raise DocumentError(str(error), where=where, remedy="Take points that are spread over the field") from error
+        if solved.setdefault((entry.camera, place), matrix) != matrix:
+            raise DocumentError("is aligned in two ways", where=where, remedy="Keep one, or name the pose of each")
+    for (camera, place), matrix in sorted(solved.items(), key=lambda item: item[0][1] is not None):
+        for index in by_hand if place is None else [place]:  # what is said of one pose wins over what is said of all
+            by_hand[index][camera] = matrix
+    return by_hand
+
+
+def _pose_of(entry: _Entry, edl: Edl, where: str) -> int | None:
+    if entry.frame is not None:
+        found = [index for index, pose in enumerate(edl.poses) if entry.frame in pose.range]
+        if not found:
+            remedy = f"It has 0 to {edl.frames - 1}"
+            raise DocumentError(f"the EDL has no frame {entry.frame}", where=where, remedy=remedy)
+        return found[0]
+    if entry.pose is not None and not 0 <= entry.pose < len(edl.poses):
+        raise DocumentError("the EDL has no such pose", where=where, remedy=f"It has 0 to {len(edl.poses) - 1}")
+    return entry.pose
+
+
+def _solved(entry: _Entry, size: tuple[int, int], programme: tuple[int, int], fit: str) -> Matrix:
+    if entry.transform is not None:
+        return entry.transform.matrix(size, programme)
+    if entry.homography is not None:
+        return _scaled(entry.homography)
+    points = np.array(entry.points)
+    made = similarity_from_points if fit == "similarity" else homography_from_points
+    return made(points[:, :2], points[:, 2:])
+
+
+def _read_json(path: Path) -> Sequence[_Entry]:
+    value: Any = read_json(path)
+    name = "alignments by hand (evaluation.md)"
+    return structure_document(value, _File, make_converter(), where=str(path), name=name).alignments
+
+
+def _read_csv(path: Path) -> Sequence[_Entry]:
+    """Rows of `COLUMNS`; an empty pose means all poses."""
+    remedy = f"The columns are {','.join(COLUMNS)}; docs/evaluation.md has an example"
+    try:
+        rows = csv.DictReader(io.StringIO(path.read_text("utf-8-sig")))
+        found: dict[tuple[str, int | None], list[tuple[float, float, float, float]]] = {}
+        if set(COLUMNS) - {"pose"} - set(rows.fieldnames or ()):
+            raise DocumentError("lacks columns", where=str(path), remedy=remedy)
+        for row in rows:
+            try:
+                pose = int(row["pose"]) if row.get("pose") else None
+                x, y, u, v = (float(row[name]) for name in COLUMNS[2:])
+            except (TypeError, ValueError) as error:
+                raise DocumentError(str(error), where=f"{path}, line {rows.line_num}", remedy=remedy) from error
+            found.setdefault((row["camera"], pose), []).append((x, y, u, v))
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"cannot be read ({error})", where=str(path), remedy="Check the path") from error
+    try:
+        return [_Entry(camera, pose, points=tuple(points)) for (camera, pose), points in found.items()]
+    except Fault as fault:
+        raise DocumentError(str(fault), where=str(path), remedy=remedy) from fault
+
+
+def aligned_by_hand(edl: Edl, by_hand: ByHand) -> Edl:
+    """The same shots with every view where a person put it.
+
+    The reference camera stays as it is where it lacks; InputError where another camera is shown and lacks.
+    """
+    for stretch, decision in resolve(edl):
+        for index, pose in enumerate(edl.poses):
+            shown = decision.camera != edl.reference and stretch.intersection(pose.range)
+            if shown and decision.camera not in by_hand.get(index, {}):
+                raise InputError(
+                    f"camera {decision.camera} is shown at frames {shown} and was not aligned by hand",
+                    where=f"pose {index}",
+                    remedy="Add its point pairs (docs/evaluation.md)",
+                )
+    poses = tuple(_by_hand(edl, pose, by_hand.get(i, {})) for i, pose in enumerate(edl.poses))
+    return attrs.evolve(edl, poses=poses, corrections=())
+
+
+def _by_hand(edl: Edl, pose: Pose, matrices: Mapping[str, Matrix]) -> Pose:
+    """The reference's matrix is the anchor, and the others' lead through it."""
+    given = {name: np.array(matrix, np.float64) for name, matrix in matrices.items()}
+    anchor = given.pop(edl.reference, np.eye(3))
+    back = np.linalg.inv(anchor)
+    homographies = {name: _scaled(back @ matrix) for name, matrix in given.items()}
+    lacking = [c.name for c in edl.cameras if c.name not in given and c.name != edl.reference]
+    return attrs.evolve(
+        pose,
+        homographies={edl.reference: IDENTITY, **homographies},
+        anchor=_scaled(anchor),
+        weak=tuple(Weak(name, "not aligned by hand") for name in lacking),
+    )

@@ -1,0 +1,169 @@
+"""The figures of an evaluation, and how they are written down."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+from typing import Any
+
+from attrs import frozen
+
+from mcsl_core.documents import canonical_json, make_converter, read_json, structure_document
+from mcsl_core.errors import DocumentError
+
+from .metrics import FOLLOWED, MATCHED
+
+SCHEMA = "mcsl.evaluation/1"
+FIGURES = ("itf_db", "itf_valid_db", "itf_field_db", "av_speed_px", "av_speed_field_px")
+FIELD = 0.2  # radius of "about the field" as a share of the programme's width: wounds of a hand's size fit in
+
+
+@frozen
+class Steadiness:
+    """Means over pairs of neighbouring frames; None where none could be measured.
+
+    itf_db: over the whole pictures. itf_valid_db: over pixels that both frames have from a camera. itf_field_db: over
+    those of them about the surgical field. av_speed_px: pixels a frame at the measured size; av_speed_field_px: of the
+    points about the field. pairs: how many there are; tracked: in how many of those looked at points were found.
+    """
+
+    itf_db: float | None
+    itf_valid_db: float | None
+    itf_field_db: float | None
+    av_speed_px: float | None
+    av_speed_field_px: float | None
+    pairs: int
+    tracked: int
+
+
+@frozen
+class Pair:
+    """Two neighbouring frames: PSNR over all pixels, the valid ones, and those about the field; mean speed of all
+    points and of those about the field; None without data."""
+
+    psnr_db: float
+    psnr_valid_db: float | None
+    psnr_field_db: float | None
+    speed_px: float | None
+    speed_field_px: float | None
+
+
+@frozen
+class Measured:
+    """A variant's figures. whole: over the programme, None if only switches were measured. switches: over the two
+    frames around each; at_switches: one by one, as in `Evaluation.switches`."""
+
+    name: str
+    label: str
+    whole: Steadiness | None
+    switches: Steadiness
+    at_switches: tuple[Pair, ...]
+
+
+@frozen
+class Switch:
+    """``frame`` is the first of ``camera``; the one before it is ``before``'s."""
+
+    frame: int
+    before: str
+    camera: str
+
+
+@frozen
+class Conditions:
+    """What the figures were measured with. size: (width, height) of the pictures. every: of the pairs without a
+    switch one in so many was measured, 0 for none. switches: how many there are, of which all or some were measured.
+    field: radius about the field's middle, as a share of the programme's width.
+    """
+
+    size: tuple[int, int]
+    every: int
+    switches: int
+    within_camera: str = FOLLOWED
+    at_switches: str = MATCHED
+    picture: str = "luma, full range"
+    field: float = FIELD
+
+
+@frozen
+class Evaluation:
+    """The figures of all variants, and what they were measured with."""
+
+    conditions: Conditions
+    switches: tuple[Switch, ...]
+    measured: tuple[Measured, ...]
+
+    def row(self, name: str) -> Measured:
+        """The variant of that name; KeyError when it was not measured."""
+        for measured in self.measured:
+            if measured.name == name:
+                return measured
+        raise KeyError(name)
+
+    def gains(self, over: str = "manual", of: str = "auto") -> dict[str, float]:
+        """Per cent by which ``of`` has more ITF and less AvSpeed than ``over``, as the paper tells them.
+
+        Keys: "itf", "itf_valid", "itf_field", "av_speed", "av_speed_field", and at switches "switches_itf" and so on;
+        what was not measured is left out.
+        """
+        better, worse = self.row(of), self.row(over)
+        found = {}
+        for prefix, a, b in (("", better.whole, worse.whole), ("switches_", better.switches, worse.switches)):
+            if a is None or b is None:
+                continue
+            for name in FIGURES:
+                x, y = getattr(a, name), getattr(b, name)
+                if x is not None and y:
+                    sign = -1 if name.startswith("av_speed") else 1
+                    found[prefix + name.rpartition("_")[0]] = sign * 100 * (x / y - 1)
+        return found
+
+
+_converter = make_converter()
+
+
+def to_json(evaluation: Evaluation) -> str:
+    """Canonical text: the same figures give the same bytes. Figures at three decimals, gains at one."""
+    value: dict[str, Any] = {"schema": SCHEMA, **_converter.unstructure(evaluation, Evaluation)}
+    if {"manual", "auto"} <= {m.name for m in evaluation.measured}:
+        value["gains_of_auto_over_manual_percent"] = {k: round(v, 1) for k, v in evaluation.gains().items()}
+    return canonical_json(_rounded(value))
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, float):
+        return round(value, 3)
+    if isinstance(value, dict):
+        return {k: _rounded(v) for k, v in value.items()}
+    return [_rounded(v) for v in value] if isinstance(value, list | tuple) else value
+
+
+def load_evaluation(path: Path) -> Evaluation:
+    """Reads what `to_json` wrote; DocumentError where it is something else."""
+    value = read_json(path)
+    if not isinstance(value, dict) or value.get("schema") != SCHEMA:
+        raise DocumentError(
+            f"is not the figures of an evaluation ({SCHEMA})", where=str(path),
+            remedy="Make them with `mcsl evaluate EDL --json FILE`",
+        )  # fmt: skip
+    kept = {k: v for k, v in value.items() if k not in ("schema", "gains_of_auto_over_manual_percent")}
+    return structure_document(kept, Evaluation, _converter, where=str(path), name="the figures (evaluation.md)")
+
+
+COLUMNS = (*FIGURES, "pairs", "tracked")
+
+
+def to_csv(evaluation: Evaluation) -> str:
+    """One row per variant and scope (whole, switches); what was not measured is empty."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(["variant", "scope", *COLUMNS, "width", "height", "every"])
+    conditions = evaluation.conditions
+    for row in evaluation.measured:
+        for scope, means in (("whole", row.whole), ("switches", row.switches)):
+            if means is not None:
+                values = [getattr(means, name) for name in COLUMNS]
+                shown = ["" if v is None else f"{v:.3f}" if isinstance(v, float) else v for v in values]
+                writer.writerow([row.name, scope, *shown, *conditions.size, conditions.every])
+    return stream.getvalue()

@@ -1,0 +1,325 @@
+"""Plugins behind checks: what goes in cannot be changed, what comes out is what the protocol promises, time is told.
+
+The pipeline calls every plugin, the built-ins too, through the guard of its stage (`plugins.Offer.checked`). Whatever a
+plugin does wrong is a `PluginError` of one line that names stage, plugin, package and version, and says what to do.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from types import MappingProxyType
+from typing import Any, TypeVar
+
+import attrs
+import numpy as np
+from attrs import field, frozen
+from numpy.typing import NDArray
+
+from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView
+from mcsl_core.alignment.correspondences import Correspondences
+from mcsl_core.alignment.protocol import Alignment, Features
+from mcsl_core.centering.protocol import FieldPlace
+from mcsl_core.edl import CenteringKey, Movement, Shot, Weak
+from mcsl_core.errors import Cancelled, McslError, PluginError
+from mcsl_core.filling.protocol import FillContext
+from mcsl_core.imaging.planes import Planes
+from mcsl_core.movement.protocol import Curve, Detection
+from mcsl_core.occlusion.score_table import ScoreTable
+from mcsl_core.progress import Progress
+from mcsl_core.recording.footage import Footage
+from mcsl_core.recording.sample_store import SampleStore
+from mcsl_core.timing import check_tiles
+
+from .stages import STAGES
+
+T = TypeVar("T")
+
+
+def read_only(value: T) -> T:
+    """The same value, none of whose arrays and mappings can be written to; no array is copied."""
+    if isinstance(value, np.ndarray):
+        view = value.view()
+        view.flags.writeable = False
+        return view  # pyright: ignore[reportReturnType]
+    if isinstance(value, Mapping):
+        return MappingProxyType({key: read_only(item) for key, item in value.items()})  # pyright: ignore
+    if isinstance(value, tuple):
+        return tuple(read_only(item) for item in value)  # pyright: ignore[reportReturnType]
+    if attrs.has(type(value)):
+        changed = {f.alias: read_only(getattr(value, f.name)) for f in attrs.fields(type(value)) if f.init}
+        return attrs.evolve(value, **changed)  # pyright: ignore[reportArgumentType]
+    return value
+
+
+class Watch:
+    """How long plugins take. One that has taken longer than what it works on lasts is named in a note; then again
+    each time that has doubled.
+
+    That is no judgement, but what a person who waits wants to know; and it needs no figure for the machine's speed.
+    """
+
+    def __init__(self, lasts_s: float, note: Callable[[str], None]) -> None:
+        self.lasts_s, self._note = lasts_s, note
+        self._spent: dict[str, float] = {}
+        self._told: dict[str, float] = {}
+        self._lock = threading.Lock()
+
+    def spent(self, who: str, seconds: float) -> None:
+        """``who`` was busy for so long, just now. Safe from several threads."""
+        with self._lock:
+            total = self._spent[who] = self._spent.get(who, 0.0) + seconds
+            bound = self._told.get(who, self.lasts_s)
+            if total <= bound:
+                return
+            self._told[who] = 2 * total
+        self._note(f"{who} has taken {total:.0f} s so far, for a recording of {self.lasts_s:.0f} s")
+
+
+@frozen(eq=False)
+class Guard:
+    """One plugin's object. stage: the stage it does. label: "name (package version)". package: where it comes from."""
+
+    does: Any
+    stage: str
+    label: str
+    package: str
+    watch: Watch | None = field(default=None)
+
+    @property
+    def name(self) -> str:
+        return self.does.name
+
+    @property
+    def who(self) -> str:
+        return f"{STAGES[self.stage].noun} {self.label}"
+
+    def call(self, method: str, *given: Any, does: Any = None, **named: Any) -> Any:
+        """What the plugin's method gives. Its errors get its name; `Cancelled` is none of them."""
+        began = time.monotonic()
+        try:
+            return getattr(self.does if does is None else does, method)(*given, **named)
+        except Cancelled:
+            raise
+        except McslError as error:  # said for people already; whose words they are is added
+            if self.package != "mcsl" and self.label not in error.where:
+                error.where = f"{self.who}: {error.where}" if error.where else self.who
+            raise
+        except Exception as error:
+            raise self.fault(f"{method} raised {type(error).__name__}: {' '.join(str(error).split())}") from error
+        finally:
+            if self.watch is not None:
+                self.watch.spent(self.who, time.monotonic() - began)
+
+    def fault(self, what: str) -> PluginError:
+        remedy = f"Report it to the author of {self.package}, or choose another with --{self.stage}"
+        return PluginError(what.rstrip("."), where=self.who, remedy=remedy)
+
+    def need(self, holds: bool, what: str) -> None:
+        if not holds:
+            raise self.fault(what)
+
+    def need_kind(self, method: str, value: object, kind: type) -> None:
+        self.need(isinstance(value, kind), f"{method} gave {_told(value)}, expected {kind.__name__}")
+
+
+def _told(value: object) -> str:
+    if isinstance(value, np.ndarray):
+        return f"an array of {value.dtype} and shape {value.shape}"
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+class MovementGuard(Guard):
+    def detect(self, samples: SampleStore, footage: Footage, progress: Progress) -> Detection:
+        own = attrs.evolve(samples, frames=tuple(samples.frames))  # pyright: ignore[reportArgumentType]
+        found = self.call("detect", own, footage, progress)
+        self.need_kind("detect", found, Detection)
+        end = 0
+        for movement in found.movements:
+            self.need_kind("detect", movement, Movement)
+            self.need(movement.range.start >= end, f"detect gave movement {movement.range}, which begins before {end}")
+            end = movement.range.stop
+        self.need(end <= footage.frames, f"detect gave a movement up to {end}, beyond the {footage.frames} frames")
+        self.need_kind("detect", found.curve, Curve)
+        self.need(bool((np.diff(found.curve.frames) > 0).all()), "detect gave a curve whose frames do not rise")
+        return attrs.evolve(found, movements=tuple(found.movements))
+
+
+class MatcherGuard(Guard):
+    def features(self, picture: NDArray[np.uint8], mask: NDArray[np.uint8] | None = None) -> Features:
+        found = self.call("features", read_only(picture), None if mask is None else read_only(mask))
+        self.need_kind("features", found, Features)
+        size = (picture.shape[1], picture.shape[0])
+        self.need(found.size == size, f"features gave the size {_told(found.size)} for a picture of {size}")
+        inside = (found.points > -1) & (found.points < size)  # false for NaN too
+        self.need(bool(inside.all()), f"features gave points that are not inside the picture of {size}")
+        self.need(found.descriptors.ndim == 2, f"features gave {_told(found.descriptors)} as descriptors, expected 2-D")
+        length = np.linalg.norm(found.descriptors, axis=1)
+        self.need(bool((np.abs(length - 1) < 0.01).all()), "features gave descriptors that are not of unit length")
+        return read_only(found)
+
+    def match(self, a: Features, b: Features) -> NDArray[np.intp]:
+        pairs = np.asarray(self.call("match", a, b))
+        self.need(pairs.ndim == 2 and pairs.shape[1] == 2, f"match gave {_told(pairs)}, expected (M, 2) indices")
+        if not len(pairs):
+            return np.zeros((0, 2), np.intp)
+        self.need(pairs.dtype.kind in "iu", f"match gave {_told(pairs)}, expected integers")
+        for column, features in enumerate((a, b)):
+            own, count = pairs[:, column], len(features.points)
+            self.need(own.min() >= 0 and own.max() < count, f"match gave an index outside of {count} points")
+            self.need(len(np.unique(own)) == len(own), "match gave a point twice")
+        return pairs.astype(np.intp)
+
+
+class AlignerGuard(Guard):
+    def align(
+        self,
+        pairs: Mapping[tuple[str, str], Correspondences],
+        sizes: Mapping[str, tuple[int, int]],
+        reference: str,
+    ) -> Alignment:
+        found = self.call("align", read_only(pairs), read_only(sizes), reference)
+        self.need_kind("align", found, Alignment)
+        for weak in found.weak:
+            self.need_kind("align", weak, Weak)
+        tied, weak = set(found.homographies), [w.camera for w in found.weak]
+        missing = sorted(set(sizes) - tied - set(weak))
+        self.need(not missing, f"align gave neither a homography nor a reason for {', '.join(missing)}")
+        unknown = sorted((tied | set(weak)) - set(sizes))
+        self.need(not unknown, f"align gave {', '.join(unknown)}, which no camera is named")
+        twice = sorted(tied & set(weak))
+        self.need(not twice, f"align gave both a homography and a reason for {', '.join(twice)}")
+        self.need(reference in tied, f"align gave no homography for the reference {reference}")
+        for camera, matrix in found.homographies.items():
+            good = np.shape(matrix) == (3, 3) and np.isfinite(matrix).all() and abs(np.linalg.det(matrix)) > 1e-12
+            self.need(bool(good) and abs(matrix[2][2] - 1) < 1e-6, f"align gave {_told(matrix)} for {camera}")
+        for what, of in (("residual_px", found.residual_px), ("support", found.support)):
+            self.need(set(of) == tied - {reference}, f"align gave {what} of {sorted(of)}, expected all tied but one")
+            for camera, value in of.items():
+                self.need(_number(value) and value >= 0, f"align gave {_told(value)} as {what} of {camera}")
+        return attrs.evolve(found, weak=tuple(found.weak))
+
+
+@frozen(eq=False)
+class _Moments(Sequence[Sequence[AlignedView]]):
+    """Moments whose views cannot be written to; a slice of them is read only when it is asked for."""
+
+    moments: Sequence[Sequence[AlignedView]]
+    positions: range
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+    def __getitem__(self, at):  # pyright: ignore[reportIncompatibleMethodOverride]
+        found = self.positions[at]
+        return _Moments(self.moments, found) if isinstance(found, range) else read_only(tuple(self.moments[found]))
+
+
+@frozen(eq=False)
+class ScorerGuard:
+    guard: Guard
+    does: Any
+
+    def score(self, views: Sequence[AlignedView]) -> Mapping[str, float]:
+        scores = self.guard.call("score", read_only(tuple(views)), does=self.does)
+        self.guard.need_kind("score", scores, Mapping)
+        for view in views:
+            value = scores.get(view.camera)
+            good = _number(value) and 0 <= value <= 1
+            self.guard.need(good, f"score gave {_told(value)} for camera {view.camera}, expected a number in 0..1")
+        return {view.camera: float(scores[view.camera]) for view in views}
+
+
+class OcclusionGuard(Guard):
+    def scorer(self, scene: AlignedPose, moments: Sequence[Sequence[AlignedView]]) -> ScorerGuard:
+        scorer = self.call("scorer", read_only(scene), _Moments(moments, range(len(moments))))
+        self.need(callable(getattr(scorer, "score", None)), f"scorer gave {_told(scorer)}, which has no score")
+        return ScorerGuard(self, scorer)
+
+
+class SelectorGuard(Guard):
+    def select(self, table: ScoreTable, *, frames: int, rate: Fraction) -> tuple[Shot, ...]:
+        shots = self.call("select", read_only(table), frames=frames, rate=rate)
+        self.need_kind("select", shots, Sequence)
+        for shot in shots:
+            self.need_kind("select", shot, Shot)
+        unknown = sorted({s.camera for s in shots} - set(table.cameras))
+        self.need(not unknown, f"select chose camera {unknown[:1]}, expected one of {', '.join(table.cameras)}")
+        try:
+            check_tiles((s.range for s in shots), frames, "shots")
+        except ValueError as error:
+            raise self.fault(f"select gave shots with a gap or an overlap: {error}") from error
+        return tuple(shots)
+
+
+class CentererGuard(Guard):
+    def centre(self, places: Sequence[FieldPlace], *, size: tuple[int, int], rate: float) -> tuple[CenteringKey, ...]:
+        keys = self.call("centre", tuple(places), size=size, rate=rate)
+        self.need_kind("centre", keys, Sequence)
+        frames = max((p.range.stop for p in places), default=0)
+        made: list[CenteringKey] = []
+        for key in keys:
+            good = isinstance(key, Sequence) and len(key) == 3 and all(_number(value) for value in key)
+            self.need(good, f"centre gave {_told(key)}, expected (frame, dx, dy)")
+            frame, dx, dy = int(key[0]), float(key[1]), float(key[2])
+            self.need(frame == key[0] and 0 <= frame < frames, f"centre gave a key at {key[0]} of {frames} frames")
+            self.need(not made or frame > made[-1][0], f"centre gave the keys' frames out of order at {frame}")
+            near = abs(dx) <= size[0] and abs(dy) <= size[1]
+            self.need(near, f"centre gave a shift of ({dx:g}, {dy:g}), larger than the programme")
+            made.append((frame, dx, dy))
+        return tuple(made)
+
+
+class _FrozenContext:
+    """A programme frame before filling, whose pictures cannot be written to: they may be the decoder's own memory."""
+
+    def __init__(self, context: FillContext) -> None:
+        self._context = context
+        self.front = read_only(context.front)
+        self.previous = read_only(context.previous)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._context, name)
+
+    def footprint(self, *given: Any, **named: Any) -> Any:
+        return read_only(self._context.footprint(*given, **named))
+
+    def picture(self, *given: Any, **named: Any) -> Any:
+        return read_only(self._context.picture(*given, **named))
+
+
+class FillerGuard(Guard):
+    @property
+    def version(self) -> int:
+        return self.does.version
+
+    @property
+    def remembers(self) -> bool:
+        return self.does.remembers
+
+    def fill(self, context: FillContext) -> Planes:
+        shown = _FrozenContext(context)
+        filled = self.call("fill", shown)
+        if filled is shown.front:
+            return context.front
+        self.need_kind("fill", filled, Planes)
+        self.need(filled.size == context.size, f"fill gave a picture of {filled.size}, expected {context.size}")
+        return filled
+
+
+def _number(value: object) -> bool:
+    return isinstance(value, (int, float, np.integer, np.floating)) and bool(np.isfinite(value))
+
+
+GUARDS: Mapping[str, type[Guard]] = {
+    "movement": MovementGuard,
+    "matcher": MatcherGuard,
+    "aligner": AlignerGuard,
+    "occlusion": OcclusionGuard,
+    "selector": SelectorGuard,
+    "centerer": CentererGuard,
+    "filler": FillerGuard,
+}

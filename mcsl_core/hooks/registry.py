@@ -1,0 +1,174 @@
+"""Finding plugins and choosing stages by name. Two of one name is an error that names both packages."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from importlib import metadata
+from typing import Any
+
+import attrs
+import pluggy
+from attrs import field, frozen
+
+from mcsl_core import __version__
+from mcsl_core.edl import Edl
+from mcsl_core.errors import PluginError, UsageError
+from mcsl_core.filling.protocol import Filler
+from mcsl_core.hooks import builtin as default_plugins
+from mcsl_core.progress import Progress
+
+from .guards import GUARDS, Watch
+from .specs import PROJECT, Hooks
+from .stages import STAGES
+
+
+@frozen(eq=False)
+class Offer:
+    """One named object of one package. watch: who is told how long it takes."""
+
+    stage: str
+    name: str
+    package: str
+    version: str
+    implementation: Any
+    watch: Watch | None = field(default=None)
+
+    @cached_property
+    def checked(self) -> Any:
+        """The object as the pipeline calls it: what goes in, what comes out and what it raises is looked after."""
+        return GUARDS[self.stage](self.implementation, self.stage, str(self), self.package, self.watch)
+
+    def prepare(self) -> None:
+        """Has the object load what it needs, where it can: what is missing is told before long work begins."""
+        if callable(getattr(self.implementation, "prepare", None)):
+            self.checked.call("prepare")
+
+    def __str__(self) -> str:
+        return f"{self.name} ({self.package} {self.version})"
+
+    @property
+    def summary(self) -> str:
+        """The first sentence of its description."""
+        text = " ".join((type(self.implementation).__doc__ or "").split())
+        return text.split(". ")[0].rstrip(".")
+
+
+@frozen(eq=False)
+class Plugins:
+    """Everything on offer, by stage and name."""
+
+    offers: tuple[Offer, ...]
+
+    def choose(self, stage: str, name: str | None = None) -> Offer:
+        """The offer of that name (the default's without one); UsageError that lists what there is."""
+        name = name or STAGES[stage].default
+        for offer in self.offers:
+            if (offer.stage, offer.name) == (stage, name):
+                return offer
+        known = ", ".join(o.name for o in self.offers if o.stage == stage)
+        raise UsageError(
+            f"there is no {STAGES[stage].noun} named {name!r}",
+            remedy=f"Choose one of {known}, or install the plugin that brings it (`mcsl plugins` lists all)",
+        )
+
+
+def filler_of(edl: Edl, progress: Progress | None = None) -> Filler:
+    """The filler that the EDL was made with, the default's where it does not say.
+
+    PluginError names the package to install where the filler is not here. progress: where it is told that it is slow.
+    """
+    offer = filler_offer(edl)
+    if progress is not None:
+        offer = attrs.evolve(offer, watch=Watch(float(edl.frames / edl.rate), progress.note))
+    return offer.checked
+
+
+def filler_offer(edl: Edl) -> Offer:
+    """See `filler_of`."""
+    made = edl.made_by.plugins.get("filler", "") if edl.made_by else ""
+    name, _, package = made.partition(" (")
+    try:
+        return discover().choose("filler", name or None)
+    except UsageError as error:
+        raise PluginError(
+            f"was made with the filler {made}, which is not installed",
+            where="the EDL",
+            remedy=f"Install {package.rstrip(')') or 'it'}, or analyse again with another --filler",
+        ) from error
+
+
+def discover(extra: Sequence[tuple[object, str, str]] = (), *, entry_points: bool = True) -> Plugins:
+    """The built-ins, the plugins installed under the entry-point group ``mcsl``, and ``extra`` ones.
+
+    extra: (module or object with hook functions, package, version). PluginError names what is wrong with whom.
+    """
+    sources: list[tuple[object, str, str]] = [(default_plugins, "mcsl", __version__)]
+    if entry_points:
+        sources += [_loaded(point) for point in sorted(metadata.entry_points(group=PROJECT), key=lambda p: p.name)]
+    offers: dict[tuple[str, str], Offer] = {}
+    for source, package, version in [*sources, *extra]:
+        for offer in _offers(source, package, version):
+            key = (offer.stage, offer.name)
+            if key in offers:
+                raise PluginError(
+                    f"two {offer.stage} plugins are named {offer.name!r}",
+                    where=f"{offers[key].package} and {package}",
+                    remedy="Uninstall one of them, or have its author rename it",
+                )
+            offers[key] = offer
+    return Plugins(tuple(offers.values()))
+
+
+def _loaded(point: metadata.EntryPoint) -> tuple[object, str, str]:
+    package = point.dist.name if point.dist else point.value
+    version = point.dist.version if point.dist else "?"
+    try:
+        return point.load(), package, version
+    except Exception as error:
+        raise PluginError(
+            f"cannot be imported: {type(error).__name__}: {error}",
+            where=f"plugin {package} {version} ({point.value})",
+            remedy=f"Repair or uninstall it: pip uninstall {package}",
+        ) from error
+
+
+def _offers(source: object, package: str, version: str) -> list[Offer]:
+    """What one plugin registers, checked."""
+    manager = pluggy.PluginManager(PROJECT)
+    manager.add_hookspecs(Hooks)
+    who = f"plugin {package} {version}"
+    try:
+        manager.register(source)
+        manager.check_pending()
+    except pluggy.PluginValidationError as error:
+        raise PluginError(str(error), where=who, remedy="Its hooks must be those of docs/hooks.md") from error
+    found = []
+    for stage, kind in STAGES.items():
+        try:
+            results = getattr(manager.hook, kind.hook)()
+        except Exception as error:
+            raise PluginError(
+                f"{kind.hook} failed: {type(error).__name__}: {error}", where=who, remedy="Repair or uninstall it"
+            ) from error
+        for result in results:
+            if not isinstance(result, Sequence):
+                raise PluginError(f"{kind.hook} returned {result!r}", where=who, remedy="It must return a list")
+        for implementation in (item for result in results for item in result):
+            if isinstance(implementation, type):
+                raise PluginError(
+                    f"{kind.hook} offers the class {implementation.__qualname__}",
+                    where=who,
+                    remedy=f"It must offer objects: {implementation.__qualname__}()",
+                )
+            name = getattr(implementation, "name", None)
+            lacking = [m for m in kind.methods if not callable(getattr(implementation, m, None))]
+            lacking += [v for v in kind.numbers if not isinstance(getattr(implementation, v, None), int)]
+            if not isinstance(name, str) or not name or lacking:
+                raise PluginError(
+                    f"{kind.hook} offers {implementation!r}, which lacks {', '.join(lacking) or 'a name'}",
+                    where=who,
+                    remedy="See the protocol in docs/hooks.md",
+                )
+            found.append(Offer(stage, name, package, version, implementation))
+    return found

@@ -1,0 +1,1 @@
+"""Pictures as arrays and the geometry of planes: what several stages need and none owns."""

@@ -1,0 +1,86 @@
+"""Masks of the surgical field and of footprints: by hue, by region, closed, feathered.
+
+Masks are (H, W), bool or uint8 (0 and 255) as each function says; sizes are (width, height).
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from .planes import U8
+
+
+def hue_mask(picture: U8, *, saturation: int = 60, value: int = 40) -> U8:
+    """(H, W) uint8, 255 where the BGR picture shows the surgical field's reds, after the paper.
+
+    Hue 0-30 or 150-179 on OpenCV's scale of 180. Nearly grey and nearly black pixels have no meaningful hue and are
+    left out: ``saturation`` and ``value`` are their least values, 0..255.
+    """
+    hsv = cv2.cvtColor(picture, cv2.COLOR_BGR2HSV)
+    low = cv2.inRange(hsv, (0, saturation, value), (30, 255, 255))  # pyright: ignore
+    high = cv2.inRange(hsv, (150, saturation, value), (179, 255, 255))  # pyright: ignore
+    return cv2.bitwise_or(low, high)  # pyright: ignore[reportReturnType]
+
+
+def feathered(mask: U8, width_px: float) -> U8:
+    """A soft (H, W) uint8 mask: 0 outside ``mask``, rising to 255 at ``width_px`` pixels inside its edge.
+
+    The picture's own edge is no edge of the mask.
+    """
+    if width_px <= 0:
+        return np.where(mask != 0, 255, 0).astype(np.uint8)
+    distance = cv2.distanceTransform(np.where(mask != 0, 255, 0).astype(np.uint8), cv2.DIST_L2, 5)
+    ramp = np.clip((distance - 1) / width_px, 0, 1)  # the outermost pixel is half outside: none of it
+    return np.round(255 * ramp * ramp * (3 - 2 * ramp)).astype(np.uint8)
+
+
+def main_region(mask: Mask, *, least: float = 0.004) -> Mask:
+    """The largest connected region and those at least a fifth as large, closed; empty if below ``least`` of all."""
+    size = max(3, round(0.012 * mask.shape[1]) | 1)
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
+    closed = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, kernel)
+    closed = cv2.morphologyEx(closed, cv2.MORPH_CLOSE, kernel)
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(closed)
+    if count < 2:
+        return np.zeros(mask.shape, bool)
+    areas = stats[1:, cv2.CC_STAT_AREA]
+    if areas.max() < least * mask.size:
+        return np.zeros(mask.shape, bool)
+    keep = np.flatnonzero(areas >= max(areas.max() / 5, least * mask.size)) + 1
+    return np.isin(labels, keep)
+
+
+Mask = NDArray[np.bool_]
+
+
+def resize_mask(mask: Mask, size: tuple[int, int]) -> Mask:
+    """``mask`` at another ``size`` (width, height), every pixel of it one of the old."""
+    return cv2.resize(mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
+
+
+def close_gaps(mask: Mask, *, gap: float = 0.05) -> Mask:
+    """Gaps up to ``gap`` of the width closed (instruments, a dark wound), holes filled."""
+    size = max(3, round(gap * mask.shape[1]) | 1)
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
+    padded = np.pad(mask.astype(np.uint8), size)
+    shut = cv2.morphologyEx(padded, cv2.MORPH_CLOSE, kernel)[size:-size, size:-size]
+    outlines, _ = cv2.findContours(shut, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    filled = np.zeros(mask.shape, np.uint8)
+    cv2.drawContours(filled, outlines, -1, 1, cv2.FILLED)
+    return filled > 0
+
+
+def convex_hull(mask: Mask) -> Mask:
+    """The convex hull of ``mask``; empty when it is."""
+    filled = np.zeros(mask.shape, np.uint8)
+    if mask.any():
+        cv2.fillConvexPoly(filled, cv2.convexHull(np.argwhere(mask)[:, ::-1].astype(np.int32)), 1)
+    return filled > 0
+
+
+def central_ellipse(size: tuple[int, int]) -> Mask:
+    """The middle of the picture, (width, height), where the lamp is aimed: for a field that no colour shows."""
+    x, y = np.meshgrid(np.arange(size[0]), np.arange(size[1]))
+    return ((x - size[0] / 2) / (0.3 * size[0])) ** 2 + ((y - size[1] / 2) / (0.3 * size[1])) ** 2 < 1

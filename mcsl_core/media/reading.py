@@ -1,0 +1,135 @@
+"""Decoding and seeking: the frames of a file in presentation order from any time on, or single keyframes."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from av.error import FFmpegError
+
+from .facts import MediaFacts
+from .opening import main_video, open_file, stamp_of
+
+log = logging.getLogger(__name__)
+
+
+class VideoReader:
+    """Decodes the pictures of one file in presentation order, from any time on. Not for use by two threads at once.
+
+    threads: decoder threads, 0 for as many as the machine has cores. skip: what the decoder may leave out ("NONREF":
+    pictures that no other needs, "NONKEY": all but keyframes). Frames are av frames; `to_planes` makes them pictures.
+    """
+
+    def __init__(self, facts: MediaFacts, *, threads: int = 0, skip: str = "") -> None:
+        self.facts, self._threads, self._skip = facts, threads, skip
+        self._keys: list[int] = []
+        self._reopen()
+
+    def _reopen(self) -> None:
+        self._container = open_file(self.facts.path)
+        self._stream = main_video(self._container, self.facts.path)
+        context = self._stream.codec_context
+        context.thread_count = self._threads
+        context.thread_type = "AUTO" if self._threads != 1 else "SLICE"
+        if self._skip:
+            context.skip_frame = self._skip
+        self._fresh = True
+
+    def close(self) -> None:
+        self._container.close()
+
+    def read(self, from_s: Fraction) -> Iterator[tuple[Fraction, Any]]:
+        """(time in seconds, frame) from the picture shown at ``from_s`` on; times rise.
+
+        Seeking goes to a keyframe before and decodes forward. Containers seek by decoding time, which with B-frames
+        can land on a keyframe that is shown later than asked: then it goes back further.
+        """
+        goal, back = from_s + self.facts.tolerance_s, Fraction(0)
+        while True:
+            target = goal - back
+            at_start = target <= self.facts.start_s or not self._seek(target)
+            if at_start and not self._fresh:
+                self.close()
+                self._reopen()
+            pictures = self._decoded()
+            held = next(pictures, None)
+            if at_start or (held is not None and held[0] <= goal):
+                break
+            back = max(back * 2, Fraction(1))
+        if held is None:
+            return
+        for picture in pictures:
+            if held[0] > goal or picture[0] > goal:
+                yield held
+            held = picture
+        yield held
+
+    def _seek(self, target_s: Fraction) -> bool:
+        try:
+            self._container.seek(int((target_s + self.facts.zero_s) / self._stream.time_base), stream=self._stream)
+        except FFmpegError:  # no index and no way back: read from the start instead
+            return False
+        self._fresh = False
+        return True
+
+    def _decoded(self) -> Iterator[tuple[Fraction, Any]]:
+        self._fresh = False
+        tick, zero, name = self._stream.time_base, self.facts.zero_s, self.facts.path.name
+        bad = 0
+        packets = self._container.demux(self._stream)
+        while True:
+            try:
+                packet = next(packets, None)
+                frames = packet.decode() if packet is not None else []
+            except FFmpegError as error:
+                bad += 1
+                if bad == 1:
+                    log.warning("%s: a damaged part is left out (%s)", name, error.strerror)
+                if bad > 1000:
+                    return
+                continue
+            if packet is None:
+                return
+            for frame in frames:
+                stamp = stamp_of(frame)
+                if stamp is not None:
+                    yield stamp * tick - zero, frame
+
+    def _keyframe_stamps(self) -> list[int]:
+        """Presentation timestamps of all keyframes where the file has a full index; else nothing.
+
+        An index holds decoding times; how far the keyframes' presentation lies behind is read off the first.
+        """
+        index = self._stream.index_entries
+        if not self._keys and 0 < self._stream.frames <= len(index):
+            first = next((p for p in self._container.demux(self._stream) if p.is_keyframe and p.size), None)
+            delay = first.pts - first.dts if first is not None and None not in (first.pts, first.dts) else 0
+            self._keys = [e.timestamp + delay for e in index if e.is_keyframe]
+        return self._keys
+
+    def keyframe(self, near_s: Fraction) -> tuple[Fraction, Any] | None:
+        """(time, frame) of the keyframe nearest to ``near_s`` as far as the file's index knows; only it is decoded."""
+        tick = self._stream.time_base
+        target = int((near_s + self.facts.zero_s) / tick)
+        keys = self._keyframe_stamps()
+        if keys:
+            at = int(np.searchsorted(keys, target))
+            target = min(keys[max(0, at - 1) : at + 1], key=lambda stamp: abs(stamp - target))
+        else:
+            target += int(Fraction(self.facts.keyframe_interval_s) / 2 / tick)
+        context = self._stream.codec_context
+        try:
+            self._container.seek(target, stream=self._stream)
+            packet = next((p for p in self._container.demux(self._stream) if p.is_keyframe and p.size), None)
+            if packet is None:
+                return None
+            frames = [*context.decode(packet), *context.decode(None)]
+            context.flush_buffers()
+        except FFmpegError as error:
+            log.warning("%s: no keyframe at %.1f s (%s)", self.facts.path.name, float(near_s), error.strerror)
+            return None
+        self._fresh = False
+        return (stamp_of(frames[0]) * tick - self.facts.zero_s, frames[0]) if frames else None

@@ -1,0 +1,219 @@
+"""Writing a file: pictures and sound through FFmpeg's encoders, under its own name only when it is whole."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Mapping
+from fractions import Fraction
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import av
+import numpy as np
+from attrs import field, frozen
+from av.codec.context import Flags as CodecFlags
+from av.error import FFmpegError
+from numpy.typing import NDArray
+
+from mcsl_core.errors import InputError, MediaError, UsageError
+from mcsl_core.imaging.planes import U8, Planes, bgr_to_planes
+
+from .frames import BT709, LIMITED, frame_from_planes
+
+_FORMATS = {".mp4": "mp4", ".m4v": "mp4", ".mov": "mov", ".mkv": "matroska"}
+
+
+@frozen
+class Encoding:
+    """How pictures and sound are coded. Names are FFmpeg's; options go to the encoder as they are."""
+
+    codec: str = "libx264"
+    options: Mapping[str, str] = field(factory=lambda: {"preset": "superfast", "crf": "20"})
+    pixel_format: str = "yuv420p"
+    audio_codec: str = "aac"
+    audio_options: Mapping[str, str] = field(factory=lambda: {"b": "192k"})
+    tag: str = ""  # four-character code where a player wants another than the muxer's, such as hvc1
+
+
+class VideoWriter:
+    """Writes one video file with sound: constant rate from timestamp 0, BT.709 limited range, nothing that identifies.
+
+    A context manager. The file grows under a hidden name beside ``path`` and takes its own name on a clean exit; on an
+    exception nothing is left. The same input gives the same bytes on the same machine. ``path`` ends in .mp4, .mov or
+    .mkv. size: (width, height), even. rate: frames per second. keyframe_interval: most frames from one keyframe to
+    the next. audio_rate: samples per second; None for a silent file. Pictures and sound are handed over in time
+    order, each for itself; which comes first does not matter.
+
+    Raises UsageError for a size, codec or format that cannot be written, InputError where the folder cannot be
+    written to, MediaError when the encoder fails.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        *,
+        size: tuple[int, int],
+        rate: Fraction,
+        encoding: Encoding | None = None,
+        keyframe_interval: int | None = None,
+        audio_rate: int | None = None,
+        audio_channels: int = 1,
+    ) -> None:
+        self.path = Path(path)
+        self.size, self.rate, self.encoding = size, Fraction(rate), encoding or Encoding()
+        self.frames = 0
+        self.samples = 0
+        self._keyframe_interval, self._audio_rate, self._channels = keyframe_interval, audio_rate, audio_channels
+        if self.path.suffix.lower() not in _FORMATS:
+            raise UsageError(
+                f"cannot write a {self.path.suffix or 'nameless'} file",
+                where=str(self.path),
+                remedy=f"Choose a name that ends in {', '.join(_FORMATS)}",
+            )
+        if min(size) <= 0 or size[0] % 2 or size[1] % 2:
+            raise UsageError(
+                f"a video's size is even and positive, got {size[0]}x{size[1]}",
+                where=str(self.path),
+                remedy="Choose an even size",
+            )
+        if audio_channels not in (1, 2):
+            raise UsageError(f"sound has 1 or 2 channels, got {audio_channels}", where=str(self.path))
+
+    def __enter__(self) -> VideoWriter:
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            handle, name = tempfile.mkstemp(prefix=f".{self.path.name}.", suffix=".part", dir=self.path.parent)
+        except OSError as error:
+            raise InputError(
+                f"cannot be written ({error.strerror})", where=str(self.path), remedy="Choose a folder you may write to"
+            ) from error
+        os.close(handle)
+        self._part = Path(name)
+        try:
+            self._open()
+        except BaseException:
+            self._part.unlink(missing_ok=True)
+            raise
+        return self
+
+    def _open(self) -> None:
+        container_format = _FORMATS[self.path.suffix.lower()]
+        options = {"fflags": "+bitexact"}  # no muxer version, no random ids
+        if container_format != "matroska":
+            options["movflags"] = "+faststart+write_colr"
+        self._container = av.open(str(self._part), "w", format=container_format, container_options=options)
+        try:
+            self._video = self._add_video()
+            self._audio = self._add_audio() if self._audio_rate else None
+            self._container.start_encoding()
+        except (FFmpegError, ValueError) as error:
+            self._container.close()
+            raise UsageError(
+                f"cannot encode with {self.encoding.codec} as {self.encoding.pixel_format} ({error})",
+                where=str(self.path),
+                remedy="Choose a codec, pixel format and options that this FFmpeg and the container know",
+            ) from error
+
+    def _add_video(self) -> Any:
+        encoding = self.encoding
+        stream: Any = self._container.add_stream(encoding.codec, rate=self.rate, options=dict(encoding.options))
+        context = stream.codec_context
+        context.width, context.height = self.size
+        context.pix_fmt = encoding.pixel_format
+        context.time_base = stream.time_base = 1 / self.rate
+        context.sample_aspect_ratio = Fraction(1)
+        context.color_primaries = context.color_trc = context.colorspace = BT709
+        context.color_range = LIMITED
+        context.flags |= CodecFlags.bitexact
+        if self._keyframe_interval:
+            context.gop_size = self._keyframe_interval
+        if encoding.tag:
+            context.codec_tag = encoding.tag
+        return stream
+
+    def _add_audio(self) -> Any:
+        layout = "mono" if self._channels == 1 else "stereo"
+        stream: Any = self._container.add_stream(
+            self.encoding.audio_codec,
+            rate=self._audio_rate,
+            layout=layout,
+            options=dict(self.encoding.audio_options),
+        )
+        stream.codec_context.flags |= CodecFlags.bitexact
+        return stream
+
+    def write(self, picture: U8 | Planes) -> None:
+        """Appends one picture of the file's size."""
+        planes = picture if isinstance(picture, Planes) else bgr_to_planes(picture)
+        if planes.size != self.size:
+            raise ValueError(f"a picture of {planes.size} for a file of {self.size}")
+        frame = frame_from_planes(planes)
+        if self.encoding.pixel_format != "yuv420p":
+            frame = frame.reformat(format=self.encoding.pixel_format, src_colorspace="ITU709", dst_colorspace="ITU709")
+        frame.pts, frame.time_base = self.frames, 1 / self.rate
+        self._mux(self._video, frame)
+        self.frames += 1
+
+    def write_audio(self, samples: NDArray[np.float32]) -> None:
+        """Appends sound, (n, channels) or (n,) for one channel, in -1..1."""
+        if self._audio is None:
+            raise ValueError("this file was opened without sound")
+        samples = np.asarray(samples, np.float32)
+        if samples.ndim == 1:
+            samples = samples[:, None]
+        if samples.shape[1] != self._channels:
+            raise ValueError(f"sound of {samples.shape[1]} channels for a file of {self._channels}")
+        second = self._audio_rate or 1
+        for start in range(0, len(samples), second):  # by the second, so that no single frame grows large
+            piece = np.ascontiguousarray(samples[start : start + second]).reshape(1, -1)
+            frame = av.AudioFrame.from_ndarray(piece, format="flt", layout="mono" if self._channels == 1 else "stereo")
+            frame.sample_rate = second
+            frame.pts, frame.time_base = self.samples, Fraction(1, second)
+            self._mux(self._audio, frame)
+            self.samples += piece.size // self._channels
+
+    def _mux(self, stream: Any, frame: Any) -> None:
+        try:
+            self._container.mux(stream.encode(frame))
+        except (FFmpegError, OSError) as error:
+            raise MediaError(
+                f"writing failed after {self.frames} frames ({error})",
+                where=str(self.path),
+                remedy="Look whether the disk is full, or choose other encoder settings",
+            ) from error
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        try:
+            if kind is None:
+                if not self.frames:
+                    raise MediaError("no picture was written", where=str(self.path), remedy="Choose a longer stretch")
+                self._mux(self._video, None)
+                if self._audio is not None:
+                    self._mux(self._audio, None)
+            self._close()
+            if kind is None:
+                self._rename()
+        finally:
+            self._part.unlink(missing_ok=True)
+
+    def _close(self) -> None:
+        try:
+            self._container.close()
+        except (FFmpegError, OSError) as error:
+            raise MediaError(
+                f"the file could not be finished ({error})",
+                where=str(self.path),
+                remedy="Look whether the disk is full",
+            ) from error
+
+    def _rename(self) -> None:
+        with self._part.open("rb+") as stream:  # a power cut must not leave a name without its content
+            os.fsync(stream.fileno())
+        umask = os.umask(0)
+        os.umask(umask)
+        self._part.chmod(0o666 & ~umask)
+        self._part.replace(self.path)

@@ -1,0 +1,1 @@
+"""How much of the surgical field each camera sees, and at which samples."""

@@ -1,0 +1,69 @@
+"""The cameras of a recording: found, probed, the reference among them, and the programme's length."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from fractions import Fraction
+from math import floor
+from pathlib import Path
+
+from mcsl_core import edl
+from mcsl_core.errors import InputError, UsageError
+from mcsl_core.media.facts import fingerprint
+from mcsl_core.media.probing import probe
+from mcsl_core.progress import Progress
+
+from .discovery import discover
+
+
+def open_cameras(recording: Sequence[Path], base: Path, progress: Progress) -> tuple[edl.Camera, ...]:
+    """The cameras of a recording, probed, clocks not yet set; media paths relative to ``base`` where possible."""
+    found = discover(recording)
+    if len(found) < 2:
+        raise InputError(
+            f"only one camera was found ({found[0][0]})",
+            where=", ".join(str(p) for p in recording),
+            remedy="Hand in the files of at least two cameras",
+        )
+    progress.stage("Opening the cameras", len(found), "cameras")
+    cameras = []
+    for number, (name, files) in enumerate(found):
+        facts = [probe(path) for path in files]
+        if len({f.size for f in facts}) > 1:
+            raise InputError(
+                "its files have different sizes: " + ", ".join(f"{w}x{h}" for w, h in (f.size for f in facts)),
+                where=f"camera {name}",
+                remedy="Hand them in as different cameras, or convert them to one size",
+            )
+        media = tuple(
+            edl.Media(relative_path(path, base), fact.frames, fingerprint(path))
+            for path, fact in zip(files, facts, strict=True)
+        )
+        cameras.append(edl.Camera(name, media, facts[0].size, facts[0].rate))
+        progress.advance(number + 1)
+    return tuple(cameras)
+
+
+def relative_path(path: Path, base: Path) -> str:
+    """``path`` relative to the folder ``base`` with forward slashes; absolute where there is no way (other drive)."""
+    try:
+        return Path(os.path.relpath(path.resolve(), base.resolve())).as_posix()
+    except ValueError:
+        return path.resolve().as_posix()
+
+
+def programme_length(reference: edl.Camera, base: Path, rate: Fraction) -> int:
+    """Frames of the programme: the reference camera's length at the programme's rate, at least 1."""
+    seconds = sum(Fraction(probe(base / m.path).duration_s) for m in reference.media)
+    return max(1, floor(seconds * rate + Fraction(1, 2)))
+
+
+def choose_reference(cameras: Sequence[edl.Camera], name: str | None) -> edl.Camera:
+    for camera in cameras:
+        if name in (None, camera.name):
+            return camera
+    raise UsageError(
+        f"there is no camera {name!r} to be the reference",
+        remedy=f"Choose one of {', '.join(c.name for c in cameras)}",
+    )

@@ -1,0 +1,119 @@
+"""A camera's files as one strip of film, and a decoder that moves along it.
+
+Times are Fractions of a second: the camera's own time, in which its files follow each other, or a file's time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from typing import Any
+
+from attrs import frozen
+
+from mcsl_core.edl import Camera
+from mcsl_core.media.facts import MediaFacts
+from mcsl_core.media.reading import VideoReader
+
+
+@frozen
+class Part:
+    """One file of a camera: its time 0 stands at ``begin_s`` of the camera's own time."""
+
+    facts: MediaFacts
+    begin_s: Fraction
+
+    @property
+    def end_s(self) -> Fraction:
+        return self.begin_s + self.facts.end_s
+
+    def local(self, camera_s: Fraction) -> Fraction | None:
+        """The file's time of the picture to show at ``camera_s``; None where the file has no picture."""
+        facts, time = self.facts, camera_s - self.begin_s
+        if time + facts.tolerance_s >= facts.usable_s:
+            return None
+        if time + facts.tolerance_s < facts.start_s:
+            return facts.start_s if facts.start_s <= 2 / facts.rate + facts.tolerance_s else None
+        return time
+
+
+@frozen(eq=False)
+class Shown:
+    """A decoded picture: av's frame, and the camera's own time of its timestamp."""
+
+    camera_s: Fraction
+    frame: Any
+    facts: MediaFacts
+
+
+class Decoder:
+    """Moves along a camera's files; cheap going forward, exact anywhere. For one thread."""
+
+    def __init__(self, parts: Sequence[Part], *, threads: int = 0, skip: str = "") -> None:
+        self._parts, self._threads, self._skip = parts, threads, skip
+        self._part: Part | None = None
+        self._reader: VideoReader | None = None
+        self._pictures: Iterator[tuple[Fraction, Any]] = iter(())
+        self._now: tuple[Fraction, Any] | None = None
+        self._next: tuple[Fraction, Any] | None = None
+
+    def close(self) -> None:
+        if self._reader is not None:
+            self._reader.close()
+        self._reader, self._part = None, None
+
+    def _enter(self, camera_s: Fraction) -> Fraction | None:
+        """Opens the file that plays at ``camera_s``; its own time there, or None without picture."""
+        found = part_at(self._parts, camera_s)
+        local = found.local(camera_s) if found is not None else None
+        if found is None or local is None:
+            return None
+        if found is not self._part:
+            self.close()
+            self._part, self._reader = found, VideoReader(found.facts, threads=self._threads, skip=self._skip)
+            self._pictures, self._now, self._next = iter(()), None, None
+        return local
+
+    def at(self, camera_s: Fraction) -> Shown | None:
+        """The picture shown at ``camera_s`` of the camera's own time, or None."""
+        local = self._enter(camera_s)
+        if local is None or self._part is None or self._reader is None:
+            return None
+        facts = self._part.facts
+        goal = local + facts.tolerance_s
+        # Going forward costs the pictures between, a seek on average half a keyframe interval and a cold decoder.
+        stride = max(Fraction(facts.keyframe_interval_s), 4 / facts.rate)
+        if self._now is None or goal < self._now[0] or goal - self._now[0] > stride:
+            self._pictures = self._reader.read(local)
+            self._now, self._next = next(self._pictures, None), next(self._pictures, None)
+        while self._next is not None and self._next[0] <= goal:
+            self._now, self._next = self._next, next(self._pictures, None)
+        return self._shown(self._now)
+
+    def keyframe(self, camera_s: Fraction, within_s: Fraction) -> Shown | None:
+        """As `at`, but the nearest keyframe, where there is one ``within_s`` seconds."""
+        local = self._enter(camera_s)
+        if local is None or self._part is None or self._reader is None:
+            return None
+        found = self._reader.keyframe(local)
+        self._now = None  # the decoder stands elsewhere now
+        if found is None or abs(found[0] - local) > within_s:
+            return self.at(camera_s)
+        return self._shown(found)
+
+    def _shown(self, picture: tuple[Fraction, Any] | None) -> Shown | None:
+        if picture is None or self._part is None:
+            return None
+        return Shown(self._part.begin_s + picture[0], picture[1], self._part.facts)
+
+
+def part_at(parts: Sequence[Part], camera_s: Fraction) -> Part | None:
+    """The file that plays at ``camera_s``: the last that has begun. None before the first."""
+    begun = [part for part in parts if part.begin_s <= camera_s + part.facts.tolerance_s]
+    return begun[-1] if begun else None
+
+
+def exact_camera_time(camera: Camera, programme_s: Fraction) -> Fraction:
+    """`Clock.camera_time` in exact arithmetic: its decimal numbers are taken as written (0.2 s is 1/5 s)."""
+    clock = camera.clock
+    return (programme_s - Fraction(repr(clock.offset_s))) * (1 + Fraction(repr(clock.drift_ppm)) / 1_000_000)

@@ -1,0 +1,103 @@
+"""Which files are cameras: a recording is a folder, or the camera files in order."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from mcsl_core.errors import InputError, MediaError
+from mcsl_core.media.probing import probe
+
+SUFFIXES = frozenset(
+    {".mp4", ".mov", ".m4v", ".mkv", ".avi", ".mts", ".m2ts", ".ts", ".mpg", ".mpeg", ".mxf", ".webm", ".wmv"}
+    | {".flv", ".3gp", ".vob", ".dv", ".ogv"}
+)
+_PART = re.compile(r"(.+)[_-]\d{3}", re.DOTALL)  # four digits and more are names: GOPR_0001, a date
+
+
+def _natural(text: str) -> list[tuple[int, int, str]]:
+    """A sort key that puts cam2 before cam10."""
+    return [(0, int(t), "") if t.isdigit() else (1, 0, t.casefold()) for t in re.split(r"(\d+)", text) if t]
+
+
+def _is_video(path: Path) -> bool:
+    return path.is_file() and path.suffix.lower() in SUFFIXES and not path.name.startswith(".")
+
+
+def discover(paths: Sequence[str | Path]) -> list[tuple[str, tuple[Path, ...]]]:
+    """(camera name, its files in playing order) of a recording.
+
+    A folder has one camera for each video file in it, in natural order, named by the file's stem; files such as
+    cam1_000.mp4, cam1_001.mp4 (one stem, then _ or - and three digits) are parts of one camera. A folder in it
+    that holds video files is one camera. Files handed in singly are cameras in that order.
+
+    InputError where nothing is found, two cameras have one name, or a file is no video.
+    """
+    if not paths:
+        raise InputError("no recording was named", remedy="Name a folder, or the camera files in order")
+    cameras: list[tuple[str, tuple[Path, ...]]] = []
+    loose: list[Path] = []
+    for path in map(Path, paths):
+        if path.is_dir():
+            cameras += _grouped(loose)
+            loose = []
+            cameras += _in_folder(path, alone=len(paths) == 1)
+        elif path.exists():
+            loose.append(path)
+        else:
+            raise InputError("does not exist", where=str(path), remedy="Check the path")
+    cameras += _grouped(loose)
+    names = [name for name, _ in cameras]
+    twice = sorted({n for n in names if names.count(n) > 1})
+    if twice:
+        raise InputError(
+            f"two cameras are named {twice[0]!r}",
+            where=", ".join(str(files[0]) for name, files in cameras if name == twice[0]),
+            remedy="Rename one of the files",
+        )
+    for _, files in cameras:
+        for file in files:
+            _check(file)
+    return cameras
+
+
+def _check(file: Path) -> None:
+    try:
+        probe(file)
+    except MediaError as error:
+        raise InputError(error.what, where=error.where, remedy=error.remedy) from error
+
+
+def _in_folder(folder: Path, *, alone: bool) -> list[tuple[str, tuple[Path, ...]]]:
+    entries = sorted(folder.iterdir(), key=lambda p: _natural(p.name))
+    files = [p for p in entries if _is_video(p)]
+    if not alone and files:  # one of several folders on the command line is one camera, as a folder in a folder is
+        return [(folder.name, tuple(files))]
+    cameras = _grouped(files)
+    for sub in entries:
+        if sub.is_dir() and not sub.name.startswith("."):
+            inside = sorted((p for p in sub.iterdir() if _is_video(p)), key=lambda p: _natural(p.name))
+            if inside:
+                cameras.append((sub.name, tuple(inside)))
+    if not cameras:
+        raise InputError(
+            "holds no video files",
+            where=str(folder),
+            remedy=f"Name the folder the camera files lie in ({', '.join(sorted(SUFFIXES)[:6])}, ...)",
+        )
+    return cameras
+
+
+def _grouped(files: Iterable[Path]) -> list[tuple[str, tuple[Path, ...]]]:
+    """Files by camera, cameras in the order of their first file, parts in natural order."""
+    groups: dict[tuple[Path, str], list[Path]] = {}
+    for file in files:
+        match = _PART.fullmatch(file.stem)
+        groups.setdefault((file.parent, match[1] if match else file.name), []).append(file)
+    cameras = []
+    for (_, name), members in groups.items():
+        # One numbered file by itself is not a part of anything and keeps its name.
+        label = name if len(members) > 1 else members[0].stem
+        cameras.append((label, tuple(sorted(members, key=lambda p: _natural(p.stem)))))
+    return cameras

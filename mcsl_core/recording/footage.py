@@ -1,0 +1,213 @@
+"""The cameras' pictures and sound on the programme clock.
+
+Programme frame n stands at n / rate seconds; a camera's own time is its clock's `camera_time` of that. A camera's
+files are played one after another: a file begins where the one before it ends (the end of its last picture). Inside
+a file presentation timestamps are the authority: the picture shown is the latest whose timestamp has come, so that
+a file of variable rate, a remuxed one and one with dropped frames all play in time. Before a file's first timestamp
+(a late start), beyond the end, where a file was cut short and in the camera's gaps there is no picture: None. A start
+that is late by two frames at most is muxers' rounding, and the first picture stands from the beginning.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
+from fractions import Fraction
+from functools import partial
+from pathlib import Path
+from threading import Lock
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcsl_core.edl import Camera, Edl
+from mcsl_core.imaging.planes import U8, Planes, median_planes, planes_to_bgr, resize_planes
+from mcsl_core.media.frames import to_planes
+from mcsl_core.media.probing import probe
+from mcsl_core.timing import FrameRange
+
+from .audio import sound_blocks
+from .decoder import Decoder, Part, Shown, exact_camera_time
+
+
+def footage_of(edl: Edl, base: Path, threads: int) -> Footage:
+    return Footage(edl.cameras, rate=edl.rate, frames=edl.frames, base=base, threads=threads)
+
+
+_KEPT_MEDIANS, _KEPT_NEAR = 16, 40  # 3 MB each at 1080p
+
+
+class Player:
+    """One camera's full-size pictures by programme frame: cheap going forward, exact anywhere. For one thread."""
+
+    def __init__(self, footage: Footage, camera: str, head: Decoder) -> None:
+        self._footage, self._camera, self._head = footage, camera, head
+        self._frame: object = None
+        self._planes: Planes | None = None
+        self._last: tuple[int, Planes | None] = (-1, None)
+
+    def at(self, frame: int) -> Planes | None:
+        """The picture at programme frame ``frame``; the same object as long as the same picture is shown."""
+        if frame != self._last[0]:
+            self._last = (frame, self._found(frame))
+        return self._last[1]
+
+    def _found(self, frame: int) -> Planes | None:
+        if self._footage.has_gap(self._camera, frame):
+            return None
+        shown = self._head.at(self._footage.camera_time(self._camera, frame))
+        if shown is None:
+            return None
+        if shown.frame is not self._frame:
+            self._frame, self._planes = shown.frame, self._footage.full_picture(self._camera, shown)
+        return self._planes
+
+    def close(self) -> None:
+        self._head.close()
+        self._frame, self._planes, self._last = None, None, (-1, None)
+
+
+class Footage:
+    """Pictures and sound of all cameras by programme time. Each call opens its own decoders: safe from many threads.
+
+    rate: programme frames per second. frames: the programme's length. base: the folder that relative media paths are
+    relative to (the EDL's). threads: decoder threads of each stream read at full size, 0 for one a core.
+    """
+
+    def __init__(self, cameras: Sequence[Camera], *, rate: Fraction, frames: int, base: Path, threads: int = 0) -> None:
+        self.cameras, self.rate, self.frames, self.base = tuple(cameras), Fraction(rate), frames, Path(base)
+        self._threads = threads
+        self._by_name = {camera.name: camera for camera in self.cameras}
+        self._parts: dict[str, tuple[Part, ...]] = {}
+        self._medians: dict[Any, Planes | None] = {}
+        self._near: dict[Any, Planes | None] = {}
+        self._lock = Lock()
+
+    def camera(self, name: str) -> Camera:
+        """The camera of that name; KeyError when there is none."""
+        return self._by_name[name]
+
+    def parts(self, camera: str) -> tuple[Part, ...]:
+        """The camera's files and where they stand in its own time. Probed at the first call, then kept."""
+        if camera not in self._parts:
+            parts, begin = [], Fraction(0)
+            for media in self.camera(camera).media:
+                facts = probe(self.base / media.path)
+                parts.append(Part(facts, begin))
+                begin += facts.end_s
+            self._parts[camera] = tuple(parts)
+        return self._parts[camera]
+
+    def camera_time(self, camera: str, frame: int) -> Fraction:
+        """The camera's own time in seconds at programme frame ``frame``, exactly."""
+        return exact_camera_time(self.camera(camera), Fraction(frame) / self.rate)
+
+    def programme_frame(self, camera: str, camera_s: Fraction) -> int:
+        """The programme frame nearest to the camera's own time ``camera_s``."""
+        return round(Fraction(self.camera(camera).clock.programme_time(camera_s)) * self.rate)
+
+    def has_gap(self, camera: str, frame: int) -> bool:
+        return any(frame in gap for gap in self.camera(camera).gaps)
+
+    def player(self, camera: str) -> Player:
+        """Full-size pictures of ``camera`` one at a time; close it when done."""
+        return Player(self, camera, Decoder(self.parts(camera), threads=self._threads))
+
+    def median(self, camera: str, frames: Sequence[int], within: FrameRange) -> Planes | None:
+        """The median of full-size pictures of ``camera`` near ``frames``: what lies still. None without any picture.
+
+        Near: the nearest keyframe of ``within``, a range in which nothing but people moves, where one is less than half
+        the way to the next of ``frames``; a tenth of the cost of the frame itself. By a decoder opened for it alone.
+        The latest medians are kept, for whoever asks next.
+        """
+        key = camera, tuple(frames)
+        return self._kept(self._medians, _KEPT_MEDIANS, key, lambda: self._median(camera, frames, within))
+
+    def _median(self, camera: str, frames: Sequence[int], within: FrameRange) -> Planes | None:
+        half_way = min((b - a for a, b in zip(frames, frames[1:], strict=False)), default=0) / 2
+        with closing(Decoder(self.parts(camera), threads=self._threads)) as head:
+
+            def near(frame: int) -> Planes | None:
+                if self.has_gap(camera, frame):
+                    return None
+                reach = min(half_way, frame - within.start, within.stop - 1 - frame)
+                shown = head.keyframe(self.camera_time(camera, frame), Fraction(reach) / self.rate)
+                return None if shown is None else self.full_picture(camera, shown)
+
+            keys = [(camera, frame, half_way, within) for frame in frames]
+            found = [self._kept(self._near, _KEPT_NEAR, key, partial(near, key[1])) for key in keys]
+        pictures = [picture for picture in found if picture is not None]
+        return median_planes(pictures) if pictures else None
+
+    def _kept(self, kept: dict[Any, Planes | None], most: int, key: Any, make: Callable[[], Planes | None]):
+        with self._lock:
+            if key in kept:
+                kept[key] = kept.pop(key)  # the latest used is the last to go
+                return kept[key]
+        planes = make()
+        with self._lock:
+            kept.pop(key, None)
+            while len(kept) >= most:
+                del kept[next(iter(kept))]
+            kept[key] = planes
+        return planes
+
+    def planes(self, camera: str, piece: FrameRange) -> Iterator[Planes | None]:
+        """Full-size pictures, (W, H) of the camera, one for each programme frame of ``piece``; None without picture.
+
+        Consecutive frames that show one picture are one object. Treat as read-only: they are the decoder's memory.
+        """
+        with closing(self.player(camera)) as player:
+            for frame in piece:
+                yield player.at(frame)
+
+    def pictures(
+        self, camera: str, frames: Sequence[int], *, height: int | None = None
+    ) -> Iterator[tuple[int, U8 | None]]:
+        """(programme frame, BGR picture or None) for each of ``frames``, which must rise.
+
+        height: reduced to that many rows by area average, aspect kept; never enlarged. Near frames are reached by
+        decoding on, far ones by a seek.
+        """
+        head = Decoder(self.parts(camera), threads=self._threads)
+        last = None
+        try:
+            for frame in frames:
+                if last is not None and frame <= last:
+                    raise ValueError(f"frames must rise, got {last} then {frame}")
+                last = frame
+                found = None if self.has_gap(camera, frame) else head.at(self.camera_time(camera, frame))
+                yield frame, None if found is None else self.picture(camera, found, height)
+        finally:
+            head.close()
+
+    def full_picture(self, camera: str, shown: Shown) -> Planes:
+        """The (W, H) planes of a decoded frame of ``camera``, as large as the EDL says."""
+        return resize_planes(to_planes(shown.frame, shown.facts), self.camera(camera).size)
+
+    def picture(self, camera: str, shown: Shown, height: int | None) -> U8:
+        """The BGR picture of a decoded frame of ``camera``, reduced to ``height`` rows."""
+        return planes_to_bgr(self.full_picture(camera, shown), height=height)
+
+    def audio_blocks(
+        self,
+        camera: str,
+        start_s: float | Fraction,
+        stop_s: float | Fraction,
+        rate: int = 48000,
+        *,
+        block_s: float = 10.0,
+    ) -> Iterator[NDArray[np.float32]]:
+        """Mono sound at ``rate`` from programme time ``start_s`` to ``stop_s``, in consecutive blocks; flat memory.
+
+        Offset and drift of the camera's clock are applied by resampling; where the camera has no sound it is 0.
+        """
+        return sound_blocks(self.camera(camera), self.parts(camera), start_s, stop_s, rate, block_s)
+
+    def audio(
+        self, camera: str, start_s: float | Fraction, stop_s: float | Fraction, rate: int = 48000
+    ) -> NDArray[np.float32]:
+        """As `audio_blocks`, in one (n,) float32 array."""
+        blocks = list(self.audio_blocks(camera, start_s, stop_s, rate))
+        return np.concatenate(blocks) if blocks else np.zeros(0, np.float32)

@@ -1,0 +1,147 @@
+"""Looking at all cameras now and then, at little more than the cost of decoding their keyframes."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+from attrs import frozen
+
+from mcsl_core.imaging.planes import U8
+from mcsl_core.timing import FrameRange
+
+from .decoder import Decoder
+from .footage import Footage
+
+_AHEAD = 3  # samples each camera may be ahead of the consumer: 3 x 1.6 MB at 540 rows
+
+
+@frozen(eq=False)
+class KeyframeSample:
+    """What the cameras show at about programme frame ``frame``: BGR pictures, None without picture.
+
+    ``at`` has the programme frame each picture really belongs to: the nearest keyframe is seldom the very frame.
+    """
+
+    frame: int
+    pictures: Mapping[str, U8 | None]
+    at: Mapping[str, int]
+
+
+@frozen(eq=False)
+class _Look:
+    picture: U8 | None
+    at: int
+
+
+def sample_cameras(
+    footage: Footage,
+    cameras: Sequence[str] | None = None,
+    *,
+    step_s: float = 1.0,
+    height: int = 540,
+    piece: FrameRange | None = None,
+) -> Iterator[KeyframeSample]:
+    """About one picture of every camera each ``step_s`` seconds, BGR of ``height`` rows, at the least cost, in order.
+
+    Where a camera's keyframes are at most 1.5 steps apart only they are decoded, and the nearest in time stands for the
+    sample; else all pictures that others need. Each camera is decoded by its own thread a few samples ahead, so memory
+    is flat; a fault in one of them is raised here. When the consumer stops, so do the threads.
+
+    Parameters
+    ----------
+    cameras
+        Their names; all without.
+    piece
+        The programme frames to sample; all without.
+    """
+    cameras = tuple(c.name for c in footage.cameras) if cameras is None else cameras
+    piece = piece or FrameRange(0, footage.frames)
+    step = max(1, round(Fraction(step_s) * footage.rate))
+    frames = range(piece.start, piece.stop, step)
+    for camera in cameras:
+        footage.parts(camera)  # probed here: a file that cannot be opened is told before a thread starts
+    stop = threading.Event()
+    queues: dict[str, queue.Queue] = {camera: queue.Queue(_AHEAD) for camera in cameras}
+    threads = [
+        threading.Thread(
+            target=_watch,
+            args=(footage, camera, frames, step, height, queues[camera], stop),
+            name=f"samples of {camera}",
+            daemon=True,
+        )
+        for camera in cameras
+    ]
+    for thread in threads:
+        thread.start()
+    try:
+        for frame in frames:
+            looks: dict[str, _Look] = {}
+            for camera in cameras:
+                item = queues[camera].get()
+                if isinstance(item, BaseException):
+                    raise item
+                looks[camera] = item
+            yield KeyframeSample(frame, {c: k.picture for c, k in looks.items()}, {c: k.at for c, k in looks.items()})
+    finally:
+        stop.set()
+        for thread in threads:
+            thread.join()
+
+
+def _watch(
+    footage: Footage,
+    camera: str,
+    frames: range,
+    step: int,
+    height: int,
+    out: queue.Queue,
+    stop: threading.Event,
+) -> None:
+    """One camera's thread: a `_Look` for each of ``frames``, or the exception that ended it."""
+    try:
+        for look in _looks(footage, camera, frames, step, height):
+            if not _put(out, look, stop):
+                return
+    except BaseException as fault:  # raised again in the consumer
+        _put(out, fault, stop)
+
+
+def _put(out: queue.Queue, item: Any, stop: threading.Event) -> bool:
+    while not stop.is_set():
+        try:
+            out.put(item, timeout=0.1)
+            return True
+        except queue.Full:
+            continue
+    return False
+
+
+def _looks(footage: Footage, camera: str, frames: range, step: int, height: int) -> Iterator[_Look]:
+    parts = footage.parts(camera)
+    reach = Fraction(step) / footage.rate * Fraction(3, 2)
+    by_keyframes = all(part.facts.keyframe_interval_s <= reach for part in parts)
+    # Nothing here needs the pictures that no other picture needs; they are half of the decoding where B-frames are.
+    head = Decoder(parts, threads=1, skip="" if by_keyframes else "NONREF")
+    shown: Fraction | None = None
+    picture: U8 | None = None
+    try:
+        for frame in frames:
+            time = footage.camera_time(camera, frame)
+            if footage.has_gap(camera, frame):
+                found = None
+            elif by_keyframes:
+                found = head.keyframe(time, reach)
+            else:
+                found = head.at(time)
+            if found is None:
+                yield _Look(None, frame)
+                continue
+            if shown != found.camera_s:
+                shown, picture = found.camera_s, footage.picture(camera, found, height)
+            yield _Look(picture, footage.programme_frame(camera, found.camera_s))
+    finally:
+        head.close()

@@ -1,0 +1,82 @@
+"""Contact sheets: the raw views above, the programme below, for a person to look at."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from mcsl_core.compositing.compositor import Compositor
+from mcsl_core.documents import write_atomic
+from mcsl_core.edl import Edl
+from mcsl_core.edl.resolve import resolve
+from mcsl_core.imaging.planes import planes_to_bgr
+from mcsl_core.recording.footage import Footage
+from mcsl_core.timing import FrameRange, format_time
+
+Picture = NDArray[np.uint8]
+GAP = 6
+PAPER = (32, 32, 32)
+
+
+def contact_sheet(edl: Edl, base: Path, frames: Sequence[int], *, width: int = 1600) -> Picture:
+    """One column per programme frame of ``frames``: the five views small, the chosen one framed, the programme below.
+
+    Returns a (H, width, 3) BGR picture.
+    """
+    footage = Footage(edl.cameras, rate=edl.rate, frames=edl.frames, base=base)
+    compositor = Compositor(edl, footage)
+    column = (width - GAP * (len(frames) + 1)) // len(frames)
+    blocks = []
+    for frame in frames:
+        chosen = next(d.camera for piece, d in resolve(edl) if frame in piece)
+        small = (column - GAP * (len(edl.cameras) - 1)) // len(edl.cameras)
+        views = [_view(footage, c.name, frame, small, chosen=c.name == chosen) for c in edl.cameras]
+        height = max(v.shape[0] for v in views)
+        strip = np.full((height, column, 3), PAPER, np.uint8)
+        for i, view in enumerate(views):
+            left = i * (small + GAP)
+            strip[: view.shape[0], left : left + view.shape[1]] = view
+        planes = next(iter(compositor.frames(FrameRange(frame, frame + 1))))
+        programme = _fitted(planes_to_bgr(planes), column)
+        _label(programme, f"{format_time(frame / edl.rate)}  {chosen}", 0.5)
+        gap = np.full((GAP, column, 3), PAPER, np.uint8)
+        blocks.append(np.vstack([strip, gap, programme]))
+    tallest = max(b.shape[0] for b in blocks)
+    sheet = np.full((tallest + 2 * GAP, width, 3), PAPER, np.uint8)
+    for i, block in enumerate(blocks):
+        left = GAP + i * (column + GAP)
+        sheet[GAP : GAP + block.shape[0], left : left + column] = block
+    return sheet
+
+
+def save_picture(picture: Picture, path: Path) -> None:
+    """Writes a BGR picture in the format of the path's suffix; any path, since OpenCV's own writer fails silently."""
+    write_atomic(path, cv2.imencode(path.suffix, picture)[1].tobytes())
+
+
+def _view(footage: Footage, camera: str, frame: int, width: int, *, chosen: bool) -> Picture:
+    found = next(iter(footage.pictures(camera, [frame])))[1]
+    size = footage.camera(camera).size
+    picture = np.zeros((size[1], size[0], 3), np.uint8) if found is None else found
+    small = _fitted(picture, width)
+    _label(small, camera, 0.36)
+    if chosen:
+        cv2.rectangle(small, (1, 1), (small.shape[1] - 2, small.shape[0] - 2), (80, 220, 255), 3)
+    return small
+
+
+def _fitted(picture: Picture, width: int) -> Picture:
+    height = round(picture.shape[0] * width / picture.shape[1])
+    return cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)  # pyright: ignore[reportReturnType]
+
+
+def _label(picture: Picture, text: str, scale: float) -> None:
+    """Text in the lower left corner; OpenCV's font has ASCII only."""
+    shown = text.encode("ascii", "replace").decode()
+    at = (8, picture.shape[0] - 8)
+    for colour, thickness in (((0, 0, 0), 3), ((255, 255, 255), 1)):
+        cv2.putText(picture, shown, at, cv2.FONT_HERSHEY_SIMPLEX, scale, colour, thickness, cv2.LINE_AA)

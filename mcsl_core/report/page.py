@@ -1,0 +1,157 @@
+"""`mcsl report`: one page that a surgeon or an editor reads in a minute, self-contained, the same bytes for one input.
+
+What is missing (media, scores) is told in its place; the page comes all the same.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import jinja2
+from attrs import frozen
+
+from mcsl_core import __version__
+from mcsl_core.analysis.measurements import Measurements, load_measurements
+from mcsl_core.documents import write_atomic
+from mcsl_core.edl import Edl, load
+from mcsl_core.errors import Cancelled, McslError
+from mcsl_core.evaluation import results as figures
+from mcsl_core.evaluation.evaluate import evaluate
+from mcsl_core.evaluation.results import Evaluation
+from mcsl_core.occlusion.score_table import ScoreTable
+from mcsl_core.progress import Progress, Silent
+
+from .charts import Bar, short_time
+from .facts import colour_bar, gather
+from .pictures import PosePictures, pose_pictures
+from .steady import SteadyFacts, steady_facts
+
+QUICK_SWITCHES = 40  # half a second of CPU each; their mean is known to a tenth then
+
+
+@frozen
+class _Shown:
+    """A pose's pictures with the words and bars that go with them."""
+
+    pictures: PosePictures
+    time: str
+    bars: tuple[Bar, ...]
+    words: str
+    left_out: str
+
+
+def write_report(
+    edl_path: Path, out: Path, *, figures_path: Path | None = None, progress: Progress | None = None
+) -> None:
+    """Writes the page on the EDL at ``edl_path`` to ``out``.
+
+    figures_path: what `mcsl evaluate --json` wrote; without it the steadiness is measured at up to `QUICK_SWITCHES`
+    switches. InputError where the EDL or the figures cannot be read; missing media or scores are told on the page.
+    """
+    progress = progress or Silent()
+    edl = load(edl_path)
+    base = edl_path.parent
+    evaluation = None if figures_path is None else figures.load_evaluation(figures_path)
+    measured, no_scores = _measured(edl, base, progress)
+    pictures, no_pictures = _pictures(edl, base, None if measured is None else measured.scores, progress)
+    no_figures = ""
+    if evaluation is None:
+        evaluation, no_figures = _evaluated(edl, base, progress)
+    steady = None if evaluation is None else steady_facts(evaluation)
+    text = page(edl, edl_path.name, measured, no_scores, pictures, no_pictures, steady, no_figures)
+    write_atomic(out, text.encode())
+
+
+def _measured(edl: Edl, base: Path, progress: Progress) -> tuple[Measurements | None, str]:
+    if edl.scores is None:
+        return None, "The EDL names no scores, so what each camera sees over time is not known."
+    if not (base / edl.scores).is_file():
+        return None, _told(f"What each camera sees over time is not known: {edl.scores} is missing.", progress)
+    try:
+        measured = load_measurements(base / edl.scores)
+        lacking = {c.name for c in edl.cameras} - set(measured.scores.cameras)
+        if not lacking:
+            return measured, ""
+        why = f"{edl.scores}: it lacks {', '.join(sorted(lacking))}"
+    except McslError as error:
+        why = _short(error, base)
+    return None, _told(f"What each camera sees over time is not known: {why}.", progress)
+
+
+def _pictures(
+    edl: Edl, base: Path, scores: ScoreTable | None, progress: Progress
+) -> tuple[list[PosePictures | None], str]:
+    try:
+        return pose_pictures(edl, base, scores, progress), ""
+    except Cancelled:
+        raise
+    except McslError as error:
+        return [None] * len(edl.poses), _told(f"The pictures cannot be shown: {_short(error, base)}.", progress)
+
+
+def _evaluated(edl: Edl, base: Path, progress: Progress) -> tuple[Evaluation | None, str]:
+    try:
+        return evaluate(edl, base, every=0, most_switches=QUICK_SWITCHES, progress=progress), ""
+    except Cancelled:
+        raise
+    except McslError as error:
+        return None, _told(f"The steadiness cannot be measured: {_short(error, base)}.", progress)
+
+
+def _short(error: McslError, base: Path) -> str:
+    """What is wrong, with the path as the EDL has it: the page must not tell of the machine it was made on."""
+    text = f"{error.where}: {error.what}" if error.where else error.what
+    return text.replace(f"{base}/", "").rstrip(".")
+
+
+def _told(text: str, progress: Progress) -> str:
+    progress.note(text)
+    return text
+
+
+def page(
+    edl: Edl,
+    file: str,
+    measured: Measurements | None,
+    no_scores: str,
+    pictures: list[PosePictures | None],
+    no_pictures: str,
+    steady: SteadyFacts | None,
+    no_figures: str,
+) -> str:
+    """The page as HTML. file: the EDL's name. pictures: one entry a pose. no_...: the words where something lacks."""
+    facts = gather(edl, measured)
+    colours = dict(facts.cameras)
+    shown = []
+    for pose, taken in zip(edl.poses, pictures, strict=True):
+        if taken is None:
+            shown.append(None)
+            continue
+        bars, words = colour_bar(taken.shares, colours)
+        left_out = ", ".join(w.camera for w in pose.weak if w.camera not in pose.homographies)
+        shown.append(_Shown(taken, short_time(float(taken.frame / edl.rate)), bars, words, left_out))
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("mcsl_core.report", "."),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    return environment.get_template("page.html").render(
+        name=title(edl, file),
+        file=file,
+        version=__version__,
+        edl=edl,
+        facts=facts,
+        shown=shown,
+        steady=steady,
+        no_scores=no_scores,
+        no_pictures=no_pictures,
+        no_figures=no_figures,
+    )
+
+
+def title(edl: Edl, file: str) -> str:
+    """What the recording is called: the folder of the reference camera's files, where the EDL tells it."""
+    folders = edl.camera(edl.reference).media[0].path.split("/")[:-1]
+    return folders[-1] if folders and folders[-1] not in ("", ".", "..") else file.rpartition(".")[0] or file

@@ -1,0 +1,77 @@
+"""Where the field lies: what is usually seen there decides, not who works above it."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from mcsl_core.alignment.aligned_views import AlignedPose
+from mcsl_core.alignment.field import field_by_hue, typical_picture
+from mcsl_core.imaging.masks import central_ellipse, close_gaps, convex_hull
+
+SIZE = (240, 136)
+FIELD = (slice(45, 95), slice(80, 160))
+
+
+def scene() -> AlignedPose:
+    cameras = ("cam1", "cam2", "cam3")
+    empty = np.zeros((SIZE[1], SIZE[0]), bool)
+    return AlignedPose(SIZE, "cam1", {c: np.eye(3) for c in cameras}, dict.fromkeys(cameras, SIZE), empty)
+
+
+def moments(count: int, glove: tuple[int, int, int]):
+    """Skin in green drapes, and a glove that works in two of three views at most, most of the time."""
+    rng = np.random.default_rng(3)
+    for moment in range(count):
+        pictures = {}
+        for number in range(3):
+            picture = np.full((SIZE[1], SIZE[0], 3), (60, 110, 40), np.uint8)
+            picture[FIELD] = (110, 140, 200)
+            if (moment + number) % 3:
+                x, y = rng.integers(60, 140), rng.integers(30, 80)
+                shade = rng.uniform(0.6, 1.1)
+                colour = tuple(float(min(255, v * shade)) for v in glove)
+                cv2.ellipse(picture, (int(x), int(y)), (45, 25), float(rng.uniform(0, 180)), 0, 360, colour, -1)
+            noise = rng.normal(0, 4, picture.shape)
+            pictures[f"cam{number + 1}"] = np.clip(picture + noise, 0, 255).astype(np.uint8)
+        yield pictures
+
+
+def overlap(mask: np.ndarray) -> float:
+    true = np.zeros(mask.shape, bool)
+    true[FIELD] = True
+    return float((mask & true).sum() / (mask | true).sum())
+
+
+def test_the_field_is_found_under_gloves_of_any_colour() -> None:
+    for glove in ((200, 90, 40), (235, 235, 235), (100, 130, 210)):  # blue, white, the skin's own
+        picture = typical_picture(scene(), moments(40, glove))
+        assert picture.shape == (SIZE[1], SIZE[0], 3)
+        assert overlap(field_by_hue(picture)) > 0.85, glove
+
+
+def test_no_field_where_nothing_has_its_hue() -> None:
+    picture = np.full((SIZE[1], SIZE[0], 3), (60, 110, 40), np.uint8)
+    assert not field_by_hue(picture).any()
+    assert not convex_hull(np.zeros((20, 30), bool)).any()
+
+
+def test_instruments_and_a_dark_wound_are_closed_and_the_edge_is_kept() -> None:
+    mask = np.zeros((136, 240), bool)
+    mask[FIELD] = True
+    holed = mask.copy()
+    holed[60:80, 100:130] = False  # a wound
+    holed[45:70, 140:144] = False  # an instrument that comes in from the edge
+    np.testing.assert_array_equal(close_gaps(mask), mask)
+    assert (close_gaps(holed) ^ mask).mean() < 0.002
+    at_the_border = np.zeros((136, 240), bool)
+    at_the_border[:40] = True
+    np.testing.assert_array_equal(close_gaps(at_the_border), at_the_border)
+
+
+def test_the_middle_is_the_middle() -> None:
+    mask = central_ellipse((200, 100))
+    assert mask[50, 100]
+    assert not mask[5, 100]
+    assert not mask[50, 20]
+    assert 0.2 < mask.mean() < 0.35

@@ -1,0 +1,154 @@
+"""Results of stages beside the EDL: used where nothing they depend on has changed, made again where something has."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mcsl_core import edl
+from mcsl_core.analysis import pipeline
+from mcsl_core.analysis.cache import StageCache, code_digest, identity
+from mcsl_core.analysis.pipeline import cache_folder
+from mcsl_core.analysis.settings import AnalysisSettings
+from mcsl_core.hooks import registry as plugins
+from mcsl_core.hooks.stages import STAGES
+from mcsl_core.progress import Silent
+from mcsl_core.simulation import Scenario, simulate
+
+LOOKING = "Looking through the recording"
+
+
+class Stages(Silent):
+    """Remembers which stages and notes were reported."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.seen: list[str] = []
+
+    def stage(self, name: str, total: int | None = None, unit: str = "") -> None:
+        self.seen.append(name)
+
+    def note(self, text: str) -> None:
+        self.seen.append(text)
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("cached") / "recording"
+    simulate(Scenario(seed=5, duration_s=6, size=(320, 180), rate=10, cameras=3, movements=0), folder, Silent())
+    return folder
+
+
+def analyse(recording: Path, out: Path, *, cache: bool = True, offered=None, **stages: str) -> list[str]:
+    """Analyses and returns the stages that were reported."""
+    seen = Stages()
+    settings = AnalysisSettings(sync="none", stages=stages, cache=cache)
+    pipeline.analyse([recording], out, settings=settings, plugins=offered or plugins.discover(), progress=seen)
+    return seen.seen
+
+
+def test_a_changed_selector_looks_at_nothing_again(recording: Path, tmp_path: Path) -> None:
+    out = tmp_path / "edl.json"
+    first = analyse(recording, out)
+    assert LOOKING in first
+    before = out.read_bytes()
+    again = analyse(recording, out)
+    assert LOOKING not in again
+    assert "Aligning the views" not in again
+    assert out.read_bytes() == before, "what comes from the cache is what was made"
+    greedy = analyse(recording, out, selector="least-occluded")
+    assert LOOKING not in greedy
+    assert "Scoring the views" not in greedy
+    made = edl.load(out).made_by
+    assert made is not None
+    assert made.plugins["selector"].startswith("least-occluded")
+
+
+def test_a_changed_detector_scores_again_but_decodes_nothing(recording: Path, tmp_path: Path) -> None:
+    out = tmp_path / "edl.json"
+    analyse(recording, out)
+    others = [o.name for o in plugins.discover().offers if o.stage == "occlusion"]
+    stages = analyse(recording, out, occlusion=next(n for n in others if n != STAGES["occlusion"].default))
+    assert "Scoring the views" in stages
+    assert LOOKING not in stages
+    assert "Aligning the views" not in stages
+
+
+def test_changed_media_are_looked_at(recording: Path, tmp_path: Path) -> None:
+    own = tmp_path / "recording"
+    shutil.copytree(recording, own)
+    out = tmp_path / "edl.json"
+    analyse(own, out)
+    shutil.copy(own / "cam2.mp4", own / "cam3.mp4")
+    assert LOOKING in analyse(own, out)
+
+
+def test_without_the_cache_nothing_is_kept_or_used(recording: Path, tmp_path: Path) -> None:
+    out = tmp_path / "edl.json"
+    assert LOOKING in analyse(recording, out, cache=False)
+    assert not cache_folder(out).exists()
+    kept = out.read_bytes()
+    analyse(recording, out)
+    assert out.read_bytes() == kept
+    assert LOOKING in analyse(recording, out, cache=False)
+
+
+def test_what_cannot_be_read_is_made_again_and_said_so(recording: Path, tmp_path: Path) -> None:
+    out = tmp_path / "edl.json"
+    analyse(recording, out)
+    before = out.read_bytes()
+    for path in cache_folder(out).iterdir():
+        path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    said = analyse(recording, out)
+    assert LOOKING in said
+    assert any("cannot be used" in text for text in said)
+    assert out.read_bytes() == before
+
+
+def test_a_plugin_that_is_being_written_is_asked_again(
+    recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module = tmp_path / "halves.py"
+    source = (
+        "from mcsl_core.hooks.specs import hookimpl\n"
+        "class Halves:\n"
+        "    name = 'halves'\n"
+        "    def scorer(self, *scene):\n"
+        "        return self\n"
+        "    def score(self, views):\n"
+        "        return {v.camera: 0.5 for v in views}\n"
+        "@hookimpl\n"
+        "def register_occlusion_detectors():\n"
+        "    return [Halves()]\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    out = tmp_path / "edl.json"
+    scored = []
+    for share in ("0.5", "0.25"):
+        module.write_text(source.replace("0.5", share))
+        sys.modules.pop("halves", None)
+        sys.dont_write_bytecode, before = True, sys.dont_write_bytecode
+        loaded = __import__("halves")
+        sys.dont_write_bytecode = before
+        code_digest.cache_clear()
+        offered = plugins.discover([(loaded, "halves", "1")])
+        assert identity(offered.choose("occlusion", "halves"))[2]
+        stages = analyse(recording, out, offered=offered, occlusion="halves")
+        assert "Scoring the views" in stages
+        scored.append({round(s.score, 2) for s in edl.load(out).shots})
+    assert scored == [{0.5}, {0.25}]
+
+
+def test_a_stage_keeps_its_latest_results_only(tmp_path: Path) -> None:
+    from mcsl_core.analysis.cache import CLOCKS
+
+    cache = StageCache(tmp_path, Silent())
+    for number in range(9):
+        cache.remember("clocks", str(number), lambda n=number: (edl.Clock(offset_s=n),), CLOCKS)
+    assert sorted(p.name for p in tmp_path.iterdir()) == [f"clocks-{n}.npz" for n in (5, 6, 7, 8)]
+    assert cache.remember("clocks", "8", lambda: pytest.fail("made again"), CLOCKS) == (edl.Clock(offset_s=8),)
+    np.testing.assert_equal(cache.remember("clocks", "0", lambda: (edl.Clock(),), CLOCKS), (edl.Clock(),))
