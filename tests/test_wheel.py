@@ -73,8 +73,8 @@ def test_it_holds_every_file_of_the_package_the_add_on_and_the_presets_and_no_ot
 
 
 def test_the_presets_are_found(python, tmp_path):
-    code = "from mcsl_core.delivery import presets\nout = {n: presets.load_preset(n).title for n in presets.preset_names()}"
-    found = ask(python, tmp_path, code)
+    code = "from mcsl_core.delivery.presets import load_preset, preset_names\n"
+    found = ask(python, tmp_path, code + "out = {name: load_preset(name).title for name in preset_names()}")
     assert sorted(found) == sorted(path.stem for path in (ROOT / "render_presets").glob("*.json"))
 
 
