@@ -124,7 +124,7 @@ def observe(
     Notes
     -----
     The samples' own reduced pictures serve: points in pictures of twice their rows cost three times as much and, once
-    the field is matched densely, place it no better. SIFT lets go of the interpreter: cameras share cores.
+    the field is matched densely, locate it no better. SIFT lets go of the interpreter: cameras share cores.
     """
 
     def observed(camera: str) -> Observations | None:

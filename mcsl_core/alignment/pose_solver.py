@@ -152,7 +152,7 @@ class PoseSolver:
     def _together(self, first: Alignment, by_points: Pairs, dense: Pairs) -> Alignment:
         """The alignment by dense matches, where there are any; a camera without stays where its points lay it.
 
-        The aligner's own verdict on weak cameras was given on the points: dense matching looks only where those lead.
+        The aligner's own verdict on weak cameras was given on the points: dense matching reaches only where those lead.
         """
         if not dense:
             return first

@@ -22,7 +22,7 @@ class SolveSettings:
     typical_width : int
         Columns of the modal picture, which shows where the field lies.
     dense_moments : int
-        How many samples dense matching looks at.
+        How many samples are matched densely.
     typical_moments : int
         How many samples the modal picture is made of.
     drape_weight : float

@@ -312,12 +312,12 @@ def test_selectors_tile_the_programme(offer: Offer) -> None:
 
 @offers("centerer")
 def test_centerers_give_few_rising_keys_that_move_towards_the_middle(offer: Offer) -> None:
-    places = [
+    positions = [
         FieldPosition(FrameRange(0, 300), (700.0, 300.0)),
         FieldPosition(FrameRange(300, 310), None),
         FieldPosition(FrameRange(310, 900), (450.0, 200.0)),
     ]
-    keys = offer.checked.centre(places, size=(960, 540), rate=30.0)
+    keys = offer.checked.centre(positions, size=(960, 540), rate=30.0)
     assert len(keys) <= 12
     assert all(a[0] < b[0] for a, b in pairwise(keys))
     assert all(0 <= k[0] < 900 for k in keys)
