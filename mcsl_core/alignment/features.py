@@ -24,7 +24,7 @@ class RootSift:
 
     Notes
     -----
-    Finds views turned by any angle.
+    Matches cameras turned by any angle.
 
     References
     ----------

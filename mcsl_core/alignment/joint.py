@@ -291,7 +291,7 @@ def _refine(
     reference: str,
     sizes: Mapping[str, tuple[int, int]],
 ) -> dict[str, Array]:
-    """All homographies together: 8 parameters a view, Huber transfer error over all pairs, in reference pixels."""
+    """All homographies together: 8 parameters a camera, Huber transfer error over all pairs, in reference pixels."""
     free = [name for name in homographies if name != reference]
     used = [(a, b, fit.kept) for (a, b), fit in fits.items() if a in homographies and b in homographies]
     if not free or not used:

@@ -33,7 +33,7 @@ class FieldCenterer:
         A field within this share of the picture's width and height of the middle stays where it is; one further off is
         brought to that distance.
     most : float
-        A shift never takes more than this share of either, so that the view does not run out.
+        A shift never takes more than this share of either, so that the picture does not run out.
     ease_s : float
         Seconds that a move takes at least.
 

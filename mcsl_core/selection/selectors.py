@@ -213,8 +213,8 @@ def shots_from(choice: NDArray[np.int64], table: ScoreTable, borders: NDArray[np
             visible=f"sees {score:.0%} of the field" if score is not None else "no score in this stretch",
             next=f", next best {best[1]} {best[0]:.0%}" if best else "",
         )
-        piece = FrameRange(int(borders[start]), int(borders[stop]))
-        shots.append(Shot(piece, table.cameras[camera], round(score or 0.0, 4), text))
+        span = FrameRange(int(borders[start]), int(borders[stop]))
+        shots.append(Shot(span, table.cameras[camera], round(score or 0.0, 4), text))
     return tuple(shots)
 
 
