@@ -11,10 +11,23 @@ from numpy.typing import NDArray
 
 @frozen(eq=False)
 class ScoreTable:
-    """Visible field over time.
+    """Visible field over time, of S samples and C cameras.
 
-    frames: (S,) rising programme frames of the samples. cameras: C names. visible: (S, C) float in 0..1, NaN where
-    there is no data. usable: (S, C) bool, False where no automatic shot may use the camera (weak, or no picture).
+    Attributes
+    ----------
+    frames : (S,) int array
+        Programme frames of the samples, rising.
+    cameras : tuple of str
+        Names of the cameras.
+    visible : (S, C) float array
+        Visible share of the surgical field, 0..1; NaN where there is no data.
+    usable : (S, C) bool array
+        False where no automatic shot may use the camera: it is weak, or has no picture.
+
+    Raises
+    ------
+    ValueError
+        Where a shape does not fit, the frames do not rise or a share lies outside of 0..1.
     """
 
     frames: NDArray[np.int64]
@@ -33,7 +46,13 @@ class ScoreTable:
             raise ValueError(f"visible must lie in 0..1, got {known.min():.3g}..{known.max():.3g}")
 
     def arrays(self) -> dict[str, NDArray]:
-        """Everything in it, as arrays that .npz files take; `from_arrays` is the way back."""
+        """The table as named arrays.
+
+        Returns
+        -------
+        dict of str to array
+            As .npz files take them; `from_arrays` is the way back.
+        """
         return {
             "frames": self.frames,
             "cameras": np.array(self.cameras),
@@ -43,7 +62,24 @@ class ScoreTable:
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray]) -> ScoreTable:
-        """KeyError where an array is missing, ValueError where one does not fit."""
+        """The table that `arrays` was made from.
+
+        Parameters
+        ----------
+        arrays : mapping of str to array
+            Others in it are left alone.
+
+        Returns
+        -------
+        ScoreTable
+
+        Raises
+        ------
+        KeyError
+            Where an array is missing.
+        ValueError
+            Where one does not fit.
+        """
         return cls(
             arrays["frames"].astype(np.int64),
             tuple(str(name) for name in arrays["cameras"]),
