@@ -32,7 +32,7 @@ from benchmarks.accuracy import table
 from benchmarks.painter import Painter
 from benchmarks.small_network import write_network
 from mcsl_core.alignment.observations import SolvedPose
-from mcsl_core.alignment.pose_solver import solve_pose
+from mcsl_core.alignment.pose_solver import PoseSolver
 from mcsl_core.alignment.settings import SolveSettings
 from mcsl_core.analysis.cache import POSES
 from mcsl_core.analysis.pipeline import pose_ranges
@@ -42,6 +42,7 @@ from mcsl_core.occlusion.scoring import ScoringSegment, scoring_segments
 from mcsl_core.progress import Silent
 from mcsl_core.recording.cameras import open_cameras
 from mcsl_core.recording.footage import Footage
+from mcsl_core.recording.keyframe_sampling import sample_cameras
 from mcsl_core.recording.sample_store import SAMPLE_HEIGHT, SampleStore
 from mcsl_core.simulation import Scenario, Truth, load_truth, simulate
 from mcsl_core.timing import FrameRange
@@ -92,7 +93,7 @@ class Looked:
     at: NDArray[np.int64]
 
     def stretches(self, detector: plugins.Offer) -> tuple[ScoringSegment, ...]:
-        return scoring_segments(self.samples, self.solved, self.movements, detector)
+        return scoring_segments(self.samples, self.solved, self.movements, detector.checked)
 
     def seen(self) -> NDArray[np.float64]:
         """(samples, cameras): the true visible share in each picture."""
@@ -116,7 +117,9 @@ def look(folder: Path, name: str) -> Looked:
     kept = folder / f"{name}.poses.npz"
     if not kept.exists():
         solved = [_solved(piece, samples, movements, footage, truth) for piece in pose_ranges(movements, truth.frames)]
-        at = [[s.at[c] for c in samples.cameras] for s in footage.samples(step_s=1.0, height=16)]
+        at = [
+            [s.at[c] for c in samples.cameras] for s in sample_cameras(footage, samples.cameras, step_s=1.0, height=16)
+        ]
         np.savez_compressed(kept, at=np.array(at), **POSES.pack(solved))  # pyright: ignore[reportArgumentType]
     with np.load(kept) as stored:
         arrays = dict(stored)
@@ -126,17 +129,14 @@ def look(folder: Path, name: str) -> Looked:
 def _solved(
     piece: FrameRange, samples: SampleStore, movements: Sequence[Movement], footage: Footage, truth: Truth
 ) -> SolvedPose:
-    return solve_pose(
-        piece,
-        samples.standing(piece, movements),
-        samples,
+    solver = PoseSolver(
         {c.name: c.size for c in footage.cameras},
-        reference=truth.reference,
-        matcher=installed().choose("matcher").implementation,
-        aligner=installed().choose("aligner").implementation,
-        settings=SolveSettings(),
-        progress=Silent(),
+        truth.reference,
+        installed().choose("matcher").implementation,
+        installed().choose("aligner").implementation,
+        SolveSettings(),
     )
+    return solver.solve(piece, samples.standing(piece, movements), samples, Silent())
 
 
 # ------------------------------------------------------------------------------------------------------- training
@@ -150,8 +150,8 @@ def marked(folder: Path, name: str) -> Path:
     looked = look(folder, name)
     with closing(looked.samples):
         piece = looked.stretches(installed().choose("occlusion", "consensus"))[0]
-        numbers = [looked.samples.frames[int(i)] for i in piece.moments.positions]
-        for picture in write_frames(out, piece.moments.scene, piece.moments, numbers, count=FRAMES):
+        numbers = [looked.samples.frames[int(i)] for i in piece.samples.positions]
+        for picture in write_frames(out, piece.samples.aligned, piece.samples, numbers, count=FRAMES):
             number, camera = picture.stem.split("_")
             column = looked.samples.cameras.index(camera)
             at = int(looked.at[looked.samples.frames.index(int(number)), column])
@@ -192,9 +192,9 @@ def judge(looked: Looked, name: str) -> dict[str, float]:
     start = time.process_time()
     pictures = 0.0
     for piece in looked.stretches(offer):
-        for position in piece.moments.positions:
+        for position in piece.samples.positions:
             before = time.process_time()
-            views = piece.moments.scene.views(looked.samples[int(position)].pictures)
+            views = piece.samples.aligned.views(looked.samples[int(position)].pictures)
             pictures += time.process_time() - before
             for camera, value in piece.score(views).items():
                 said[position, looked.samples.cameras.index(camera)] = value

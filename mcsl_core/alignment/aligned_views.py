@@ -1,6 +1,6 @@
 """One pose as the detectors see it: every camera's picture laid into the reference camera's perspective.
 
-Scene pixels are reference pixels reduced to ``size``; pixel centres lie at integers.
+Aligned pixels are reference pixels reduced to the ``size`` of an `AlignedPose`; pixel centres lie at integers.
 """
 
 from __future__ import annotations
@@ -12,18 +12,26 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
-from mcsl_core.imaging.geometry import scaling
+from mcsl_core.imaging.geometry import Array, scaling
 from mcsl_core.imaging.masks import Mask
 
 Picture = NDArray[np.uint8]
-Array = NDArray[np.float64]
 
 
 @frozen(eq=False)
 class AlignedView:
-    """One camera at one moment. picture: (h, w, 3) BGR as the camera sees it, reduced.
+    """What one camera shows in one frame, laid into the reference perspective.
 
-    aligned: (H, W, 3) BGR in scene pixels, black outside ``inside``. inside: (H, W) where the camera has picture.
+    Attributes
+    ----------
+    camera : str
+        Its name.
+    picture : (h, w, 3) uint8 array
+        BGR, as the camera sees it, reduced.
+    aligned : (H, W, 3) uint8 array
+        The same in aligned pixels, black outside ``inside``.
+    inside : (H, W) bool array
+        The aligned pixels that the camera covers.
     """
 
     camera: str
@@ -34,10 +42,20 @@ class AlignedView:
 
 @frozen(eq=False)
 class AlignedPose:
-    """A pose in scene pixels.
+    """A pose in aligned pixels: how every camera's picture is laid, and where the surgical field lies.
 
-    size: (W, H). homographies: camera -> 3x3, full-size camera pixel -> full-size reference pixel (no weak cameras).
-    camera_sizes: full (width, height). reference: its name. field: (H, W) bool, the surgical field.
+    Attributes
+    ----------
+    size : (int, int)
+        Width and height of aligned pictures.
+    reference : str
+        Name of the reference camera.
+    homographies : mapping of str to (3, 3) array
+        Camera -> full-size camera pixel to full-size reference pixel; without the weak cameras.
+    camera_sizes : mapping of str to (int, int)
+        Camera -> full width and height.
+    field : (H, W) bool array
+        The surgical field.
     """
 
     size: tuple[int, int]
@@ -47,12 +65,36 @@ class AlignedPose:
     field: Mask
 
     def warp_of(self, camera: str, picture_size: tuple[int, int]) -> Array:
-        """3x3: pixel of a reduced picture of ``camera`` -> scene pixel."""
-        to_scene = scaling(self.camera_sizes[self.reference], self.size)
-        return to_scene @ self.homographies[camera] @ scaling(picture_size, self.camera_sizes[camera])
+        """The homography of a camera's reduced pictures.
+
+        Parameters
+        ----------
+        camera : str
+            One of ``homographies``.
+        picture_size : (int, int)
+            Width and height of the reduced picture.
+
+        Returns
+        -------
+        (3, 3) array
+            Pixel of the reduced picture -> aligned pixel.
+        """
+        to_aligned = scaling(self.camera_sizes[self.reference], self.size)
+        return to_aligned @ self.homographies[camera] @ scaling(picture_size, self.camera_sizes[camera])
 
     def views(self, pictures: Mapping[str, Picture | None]) -> tuple[AlignedView, ...]:
-        """The views of one moment, of the cameras that are tied in and have a picture."""
+        """Lays the pictures of one frame over each other.
+
+        Parameters
+        ----------
+        pictures : mapping of str to (h, w, 3) uint8 array or None
+            Camera -> its picture, BGR, of any size; None where it has none.
+
+        Returns
+        -------
+        tuple of AlignedView
+            In the order of ``pictures``, of the cameras that are tied in and have a picture.
+        """
         made = []
         for camera, picture in pictures.items():
             if picture is None or camera not in self.homographies:

@@ -1,4 +1,4 @@
-"""Matching one camera's colours to another's: a gain and an offset for each of R', G' and B', fitted where both look.
+"""Matching one camera's colours to another's: a gain and an offset each of R', G' and B', fitted where both cover.
 
 Six parameters cannot invent colours or follow noise; white balance, exposure and black level are what differs between
 cameras of one lamp. Stored as one affine matrix on BT.709 limited 8-bit codes, so that it acts on planes directly.
@@ -26,16 +26,35 @@ _DOUBT = 0.25
 
 
 def match_colours(source_bgr: U8, target_bgr: U8, mask: U8) -> Colour:
-    """The affine map of ``source_bgr``'s codes to ``target_bgr``'s, from where ``mask`` (H, W) is not 0.
+    """Fits the map of one camera's colours to another's.
 
-    Both are (H, W, 3) uint8, aligned, possibly stacked from several moments. Robust: parallax and things that only one
-    of them sees may fill up to about a third of the mask. Gains are kept in 0.5..2, offsets in -40..40; with fewer
-    than 400 useful pixels the answer is the identity.
+    Parameters
+    ----------
+    source_bgr, target_bgr : (H, W, 3) uint8 array
+        Aligned pictures of both, BGR, possibly stacked from several frames.
+    mask : (H, W) uint8 array
+        Where it is not 0 the two are compared.
+
+    Returns
+    -------
+    Colour
+        The affine map of the source's codes to the target's: gains in 0.5..2, offsets in -40..40. With fewer than 400
+        useful pixels the identity.
+
+    Raises
+    ------
+    ValueError
+        Where the sizes differ.
+
+    Notes
+    -----
+    Robust: parallax and things that only one of them sees may fill up to about a third of the mask.
     """
     if source_bgr.shape != target_bgr.shape or mask.shape != source_bgr.shape[:2]:
         raise ValueError(f"pictures and mask differ in size: {source_bgr.shape}, {target_bgr.shape}, {mask.shape}")
     # Averaging over 5 pixels takes out noise and the last pixel of misalignment, which would flatten the fitted gain.
-    a, b = (cv2.blur(picture, (5, 5)).reshape(-1, 3).astype(np.float64) for picture in (source_bgr, target_bgr))
+    a = cv2.blur(source_bgr, (5, 5)).reshape(-1, 3).astype(np.float64)
+    b = cv2.blur(target_bgr, (5, 5)).reshape(-1, 3).astype(np.float64)
     inside = cv2.erode((mask != 0).astype(np.uint8), np.ones((5, 5), np.uint8)).reshape(-1) != 0
     clear = (np.minimum(a, b).min(axis=1) > 6) & (np.maximum(a, b).max(axis=1) < 249)  # clipped codes say nothing
     chosen = np.flatnonzero(inside & clear)
@@ -47,8 +66,58 @@ def match_colours(source_bgr: U8, target_bgr: U8, mask: U8) -> Colour:
     return as_matrix(fits[:, 0], fits[:, 1])
 
 
+def as_matrix(gains: NDArray[np.float64], offsets: NDArray[np.float64]) -> Colour:
+    """The Y'CbCr matrix of a gain and an offset for each colour.
+
+    Parameters
+    ----------
+    gains, offsets : (3,) float array
+        In the order B, G, R, of full-range codes 0..255.
+
+    Returns
+    -------
+    Colour
+        3x4, on BT.709 limited 8-bit codes.
+    """
+    bgr = np.hstack([np.diag(gains), np.reshape(offsets, (3, 1))])
+    matrix = (_square(BGR_TO_YUV) @ _square(bgr) @ _square(YUV_TO_BGR))[:3]
+    return Colour(tuple(tuple(float(v) for v in row) for row in matrix))  # pyright: ignore[reportArgumentType]
+
+
+def apply_colour(planes: Planes, colour: Colour) -> Planes:
+    """Applies a match to a picture.
+
+    Parameters
+    ----------
+    planes : Planes
+        The picture.
+    colour : Colour
+        Of `match_colours`.
+
+    Returns
+    -------
+    Planes
+        Exact to a code at every pixel: chroma where it lies, Y' with chroma's share.
+
+    Notes
+    -----
+    One `cv2.transform` of three channels to three, which alone of its kind is vectorised (0.3 ms for the half-size
+    planes at 1080p; to two channels 2.3), makes the new chroma and that share. The share fills its 8 bits, so that
+    rounding and interpolating it cost a fraction of a code.
+    """
+    y, u, v = planes
+    luma, chroma = np.array(colour.matrix[0]), np.array(colour.matrix[1:])
+    fill = min(16.0, 127 / max(128 * float(np.abs(luma[1:3]).sum()), 1e-9))
+    share = fill * luma[1:3]
+    rows = np.array([[0.0, *share, 128 - 128 * share.sum()], *chroma])
+    share_of_y, new_u, new_v = cv2.split(cv2.transform(cv2.merge([_at_chroma(y), u, v]), rows))
+    rest = luma[3] + 128 * float(luma[1:3].sum()) - 128 / fill
+    new_y = cv2.addWeighted(y, float(luma[0]), upsample_chroma(np.asarray(share_of_y, np.uint8)), 1 / fill, rest)
+    return Planes(new_y, new_u, new_v)  # pyright: ignore[reportArgumentType]
+
+
 def _fit(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(3, 2) gain and offset per channel; a pixel that fits badly in one channel is left out of all."""
+    """(3, 2) gain and offset of each colour; a pixel that fits badly in one is left out of all."""
     gains, offsets = _start(a, b)
     for _ in range(_ROUNDS):
         residual = np.abs(b - (a * gains + offsets)).max(axis=1)
@@ -81,30 +150,9 @@ def _start(a: NDArray[np.float64], b: NDArray[np.float64]) -> tuple[NDArray[np.f
     return gains, np.clip(mid_b - gains * mid_a, *OFFSETS)
 
 
-def as_matrix(gains: NDArray[np.float64], offsets: NDArray[np.float64]) -> Colour:
-    """The 3x4 Y'CbCr matrix of gains and offsets (3,) each, in the order B, G, R of full-range codes 0..255."""
-    bgr = np.hstack([np.diag(gains), np.reshape(offsets, (3, 1))])
-    square = [np.vstack([m, [0, 0, 0, 1]]) for m in (BGR_TO_YUV, bgr, YUV_TO_BGR)]
-    matrix = (square[0] @ square[1] @ square[2])[:3]
-    return Colour(tuple(tuple(float(v) for v in row) for row in matrix))  # pyright: ignore[reportArgumentType]
-
-
-def apply_colour(planes: Planes, colour: Colour) -> Planes:
-    """``planes`` with ``colour`` applied to every pixel, exact to a code: chroma where it lies, Y' with chroma's share.
-
-    One `cv2.transform` of three channels to three, which alone of its kind is vectorised (0.3 ms for the half-size
-    planes at 1080p; to two channels 2.3), makes the new chroma and that share. The share fills its 8 bits, so that
-    rounding and interpolating it cost a fraction of a code.
-    """
-    y, u, v = planes
-    luma, chroma = np.array(colour.matrix[0]), np.array(colour.matrix[1:])
-    fill = min(16.0, 127 / max(128 * float(np.abs(luma[1:3]).sum()), 1e-9))
-    share = fill * luma[1:3]
-    rows = np.array([[0.0, *share, 128 - 128 * share.sum()], *chroma])
-    share_of_y, new_u, new_v = cv2.split(cv2.transform(cv2.merge([_at_chroma(y), u, v]), rows))
-    rest = luma[3] + 128 * float(luma[1:3].sum()) - 128 / fill
-    new_y = cv2.addWeighted(y, float(luma[0]), upsample_chroma(np.asarray(share_of_y, np.uint8)), 1 / fill, rest)
-    return Planes(new_y, new_u, new_v)  # pyright: ignore[reportArgumentType]
+def _square(affine: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A 3x4 matrix as one of 4x4."""
+    return np.vstack([affine, [0, 0, 0, 1]])
 
 
 def _at_chroma(y: U8) -> U8:

@@ -1,8 +1,8 @@
-"""The same places seen by two cameras, pooled over frames."""
+"""The same points seen by two cameras, pooled over frames."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from attrs import frozen
@@ -15,10 +15,16 @@ CELL_PX = 4.0  # static false matches repeat in every frame: one match per pair 
 
 @frozen(eq=False)
 class Correspondences:
-    """The same places seen by two cameras, pooled over frames.
+    """The same points seen by two cameras, pooled over frames.
 
-    a, b: (N, 2) full-size pixels of either camera. weight: (N,) above 0, how much each counts (the surgical
-    field's more than the drapes'). seen: (N,) in how many frames the match was found.
+    Attributes
+    ----------
+    a, b : (N, 2) float array
+        Full-size pixels (x, y) of either camera.
+    weight : (N,) float array
+        How much each counts, above 0 (the surgical field's more than the drapes').
+    seen : (N,) int array
+        In how many frames the match was found.
     """
 
     a: Array
@@ -30,20 +36,49 @@ class Correspondences:
         return len(self.a)
 
     def where(self, keep: NDArray[np.bool_]) -> Correspondences:
+        """Some of the matches.
+
+        Parameters
+        ----------
+        keep : (N,) bool array
+            Which.
+
+        Returns
+        -------
+        Correspondences
+        """
         return Correspondences(self.a[keep], self.b[keep], self.weight[keep], self.seen[keep])
 
 
-def pool(matches: Sequence[tuple[Array, Array, Array]], cell_px: float = CELL_PX) -> Correspondences:
-    """Matches (points a (N, 2), points b (N, 2), weight (N,)) of many frames, one per pair of cells.
+Pairs = Mapping[tuple[str, str], Correspondences]  # (camera a, camera b) -> their matches
 
-    The place kept is the mean over the frames in which the pair of cells matched.
+
+def pool(matches: Sequence[tuple[Array, Array, Array]], cell_px: float = CELL_PX) -> Correspondences:
+    """Pools the matches of many frames: one match per pair of cells.
+
+    Parameters
+    ----------
+    matches : sequence of ((N, 2) array, (N, 2) array, (N,) array)
+        Per frame: points of camera a, the same points in camera b (full-size pixels), and weights.
+    cell_px : float, optional
+        Size of the cells in pixels.
+
+    Returns
+    -------
+    Correspondences
+        Position and weight are means over the frames in which the pair of cells matched.
+
+    References
+    ----------
+    The paper's section "Multi-Camera Calibration of Consecutive Frames" (after Obayashi et al.): matches are collected
+    over a sequence of frames. That a pair of cells counts once is ours.
     """
-    if not matches or not sum(len(m[0]) for m in matches):
+    if not matches or not sum(len(a) for a, _, _ in matches):
         empty = np.zeros((0, 2))
         return Correspondences(empty, empty, np.zeros(0), np.zeros(0, np.int64))
-    a = np.concatenate([m[0] for m in matches]).astype(np.float64)
-    b = np.concatenate([m[1] for m in matches]).astype(np.float64)
-    weight = np.concatenate([m[2] for m in matches]).astype(np.float64)
+    a = np.concatenate([a for a, _, _ in matches]).astype(np.float64)
+    b = np.concatenate([b for _, b, _ in matches]).astype(np.float64)
+    weight = np.concatenate([weight for _, _, weight in matches]).astype(np.float64)
     cells = np.floor(np.hstack([a, b]) / cell_px).astype(np.int64)
     _, inverse, count = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
     inverse = inverse.reshape(-1)

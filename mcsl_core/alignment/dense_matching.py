@@ -1,8 +1,8 @@
-"""Where every spot of the surgical field lies in every view: optical flow between views that already lie close.
+"""Dense matching: a grid of points all over the surgical field, found in every view by optical flow.
 
-Distinctive points crowd where the texture is; the plane that serves the field best needs its spots evenly. So views
-laid over each other by their first homographies are compared spot by spot at many moments, and what the flow says the
-same of at several moments is the patient; hands and heads never agree with themselves.
+Distinctive points crowd where the texture is; the plane that serves the field best needs its points evenly. So views
+laid over each other by their first homographies are compared at every point of a grid in many samples, and what the
+flow says the same of in several samples is the patient; hands and heads never agree with themselves.
 """
 
 from __future__ import annotations
@@ -15,35 +15,56 @@ import numpy as np
 from attrs import field, frozen
 from numpy.typing import NDArray
 
-from mcsl_core.imaging.geometry import scaling, transform_points
+from mcsl_core.imaging.geometry import Array, scaling, transform_points
 from mcsl_core.imaging.masks import Mask, hue_mask
 
 from .aligned_views import Picture
 from .correspondences import Correspondences
 
-Array = NDArray[np.float64]
+_LEAST_POINTS = 20  # of a pair of cameras
 
 
 @frozen(eq=False)
-class PlacedCamera:
-    """One camera's pictures over the moments, and where they lie.
+class AlignedCamera:
+    """One camera's pictures in some samples, and how they are laid.
 
-    pictures: reduced BGR, None where there is none. to_scene: 3x3, full-size camera pixel -> scene pixel.
-    size: full (width, height).
+    Attributes
+    ----------
+    pictures : sequence of (h, w, 3) uint8 array or None
+        One a sample, BGR, reduced; None where there is none.
+    to_aligned : (3, 3) array
+        Full-size camera pixel -> aligned pixel.
+    size : (int, int)
+        The camera's full width and height.
     """
 
     pictures: Sequence[Picture | None]
-    to_scene: Array
+    to_aligned: Array
     size: tuple[int, int]
 
 
 @frozen
 class DenseSettings:
-    """grid_px: distance of the spots in scene pixels. likeness: correlation of a 15-pixel patch after the flow.
+    """Of dense matching; the EDL keeps all of these under their names.
 
-    reach: how far the flow may lead, in diagonals (a relief, or homographies still some way off). loop_px: there and
-    back again must meet. moments: so many must agree, within ``spread_px`` of their median. other_hue: weight of a spot
-    that never shows the field's hue.
+    Attributes
+    ----------
+    grid_px : int
+        Distance of the grid's points in aligned pixels.
+    likeness : float
+        Least correlation of a patch of 15 pixels with what the flow brings there, -1..1.
+    contrast : float
+        Least standard deviation of that patch, in grey levels of 255.
+    reach : float
+        How far the flow may lead, in diagonals (a relief, or homographies still some way off).
+    loop_px : float
+        Flow there and back again must meet to so many aligned pixels.
+    moments : int
+        In so many samples a point must be found ...
+    spread_px : float
+        ... within so many aligned pixels of the median, half of the time.
+    other_hue : float
+        Weight of a point that never shows the field's hue, 0..1.
     """
 
     grid_px: int = field(default=8)
@@ -57,40 +78,57 @@ class DenseSettings:
 
 
 def match_densely(
-    views: Mapping[str, PlacedCamera], place: Mask, settings: DenseSettings | None = None
+    cameras: Mapping[str, AlignedCamera], area: Mask, settings: DenseSettings | None = None
 ) -> dict[tuple[str, str], Correspondences]:
-    """Correspondences of every pair of ``views`` (sorted names), in full-size pixels, evenly over ``place``.
+    """Matches every pair of cameras evenly over an area.
 
-    place: (H, W) bool in scene pixels. Pairs with fewer than 20 spots are left out. Weight 1 where the spot has the
-    field's hue whenever it is seen; seen: moments that agree.
+    Parameters
+    ----------
+    cameras : mapping of str to AlignedCamera
+        Those that are tied in, each with its pictures of the same samples.
+    area : (H, W) bool array
+        Where to match, in aligned pixels.
+    settings : DenseSettings, optional
+        The defaults without.
+
+    Returns
+    -------
+    dict of (str, str) to Correspondences
+        Pair of names, in alphabetical order -> matches in full-size pixels; without pairs of fewer than 20. Weight is 1
+        where a point has the field's hue whenever it is seen, `DenseSettings.other_hue` where it never has; ``seen``
+        counts samples.
+
+    References
+    ----------
+    Kroeger et al., "Fast optical flow using dense inverse search", ECCV 2016.
     """
     settings = settings or DenseSettings()
-    if not place.any():
+    if not area.any():
         return {}
-    crop = _Crop.around(place)
-    spots = crop.spots(place, settings.grid_px)
-    flows = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
-    bound = settings.reach * float(np.hypot(*place.shape))
-    pairs = list(combinations(sorted(views), 2))
+    crop = _Crop.around(area)
+    grid = crop.grid(area, settings.grid_px)
+    flow = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
+    bound = settings.reach * float(np.hypot(*area.shape))
+    pairs = list(combinations(sorted(cameras), 2))
     found: dict[tuple[str, str], list[tuple[Array, NDArray[np.bool_]]]] = {pair: [] for pair in pairs}
-    for moment in range(max((len(v.pictures) for v in views.values()), default=0)):
-        laid = {name: crop.lay(view, moment) for name, view in views.items()}
+    for sample in range(max((len(camera.pictures) for camera in cameras.values()), default=0)):
+        laid = {name: crop.lay(camera, sample) for name, camera in cameras.items()}
         for a, b in pairs:
             first, second = laid[a], laid[b]
             if first is not None and second is not None:
-                found[a, b].append(_compare(first, second, spots, flows, bound, settings))
-    made = {}
-    for (a, b), moments in found.items():
-        matches = _agreed(moments, spots, settings)
-        if matches is not None:
-            here, there, weight, seen = matches
-            made[a, b] = Correspondences(crop.to_camera(here, views[a]), crop.to_camera(there, views[b]), weight, seen)
-    return made
+                found[a, b].append(_displacement(first, second, grid, flow, bound, settings))
+    matches = {}
+    for (a, b), displacements in found.items():
+        agreed = _agreed(displacements, grid, settings)
+        if agreed is not None:
+            points_a, points_b = crop.to_camera(agreed.a, cameras[a]), crop.to_camera(agreed.b, cameras[b])
+            matches[a, b] = Correspondences(points_a, points_b, agreed.weight, agreed.seen)
+    return matches
 
 
 @frozen(eq=False)
 class _Laid:
-    """A view in the crop: grey, and where it has the field's hue (with two pixels around)."""
+    """A picture laid into the crop: grey (h, w), and where it has the field's hue (with two pixels around)."""
 
     grey: NDArray[np.uint8]
     hue: NDArray[np.uint8]
@@ -98,48 +136,51 @@ class _Laid:
 
 @frozen(eq=False)
 class _Crop:
-    """The part of the scene about the field. shift: 3x3, scene pixel -> its own. size: (width, height)."""
+    """The part of the aligned picture about an area. shift: (3, 3), aligned pixel -> its own. size: width, height."""
 
     shift: Array
     size: tuple[int, int]
 
     @classmethod
-    def around(cls, place: Mask) -> _Crop:
+    def around(cls, area: Mask) -> _Crop:
         """The bounding box with a margin of 4 % of the width, so that the flow sees what comes in."""
-        rows, columns = np.nonzero(place)
-        margin = round(0.04 * place.shape[1])
+        rows, columns = np.nonzero(area)
+        margin = round(0.04 * area.shape[1])
         x, y = max(int(columns.min()) - margin, 0), max(int(rows.min()) - margin, 0)
-        stop_x = min(int(columns.max()) + margin + 1, place.shape[1])
-        stop_y = min(int(rows.max()) + margin + 1, place.shape[0])
+        stop_x = min(int(columns.max()) + margin + 1, area.shape[1])
+        stop_y = min(int(rows.max()) + margin + 1, area.shape[0])
         return cls(np.array([[1.0, 0, -x], [0, 1, -y], [0, 0, 1]]), (stop_x - x, stop_y - y))
 
-    def spots(self, place: Mask, grid_px: int) -> NDArray[np.int64]:
-        """(N, 2) pixels of the crop on a grid inside ``place``."""
-        x, y = np.meshgrid(*(np.arange(grid_px // 2, length, grid_px) for length in self.size))
-        at = np.stack([x.ravel(), y.ravel()], axis=1)
+    def grid(self, area: Mask, grid_px: int) -> NDArray[np.int64]:
+        """(N, 2) pixels of the crop on a grid inside ``area``."""
+        width, height = self.size
+        x, y = np.meshgrid(np.arange(grid_px // 2, width, grid_px), np.arange(grid_px // 2, height, grid_px))
+        points = np.stack([x.ravel(), y.ravel()], axis=1)
         corner = -self.shift[:2, 2].astype(int)
-        return at[place[at[:, 1] + corner[1], at[:, 0] + corner[0]]]
+        return points[area[points[:, 1] + corner[1], points[:, 0] + corner[0]]]
 
-    def lay(self, view: PlacedCamera, moment: int) -> _Laid | None:
-        picture = view.pictures[moment] if moment < len(view.pictures) else None
+    def lay(self, camera: AlignedCamera, sample: int) -> _Laid | None:
+        """The camera's picture of a sample in the crop, None where there is none."""
+        picture = camera.pictures[sample] if sample < len(camera.pictures) else None
         if picture is None:
             return None
-        warp = self.shift @ view.to_scene @ scaling((picture.shape[1], picture.shape[0]), view.size)
+        warp = self.shift @ camera.to_aligned @ scaling((picture.shape[1], picture.shape[0]), camera.size)
         laid = cv2.warpPerspective(picture, warp, self.size, flags=cv2.INTER_LINEAR)
         near = cv2.dilate(hue_mask(laid), np.ones((5, 5), np.uint8))  # pyright: ignore[reportArgumentType]
         return _Laid(cv2.cvtColor(laid, cv2.COLOR_BGR2GRAY), near)  # pyright: ignore[reportArgumentType]
 
-    def to_camera(self, points: Array, view: PlacedCamera) -> Array:
-        back: Array = np.asarray(np.linalg.inv(self.shift @ view.to_scene), np.float64)
+    def to_camera(self, points: Array, camera: AlignedCamera) -> Array:
+        """(N, 2) pixels of the crop -> full-size pixels of the camera."""
+        back: Array = np.asarray(np.linalg.inv(self.shift @ camera.to_aligned), np.float64)
         return transform_points(back, points)
 
 
-def _compare(
-    a: _Laid, b: _Laid, spots: NDArray[np.int64], flows: cv2.DISOpticalFlow, bound: float, settings: DenseSettings
+def _displacement(
+    a: _Laid, b: _Laid, grid: NDArray[np.int64], flow: cv2.DISOpticalFlow, bound: float, settings: DenseSettings
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """((N, 2) displacement of every spot from a to b, NaN where it is not to be believed; (N,) field's hue in both)."""
-    there = flows.calc(a.grey, b.grey, None)  # pyright: ignore[reportCallIssue, reportArgumentType]
-    back = flows.calc(b.grey, a.grey, None)  # pyright: ignore[reportCallIssue, reportArgumentType]
+    """((N, 2) displacement of the grid's points from a to b, NaN where not believed; (N,) field's hue in both)."""
+    there = flow.calc(a.grey, b.grey, None)  # pyright: ignore[reportCallIssue, reportArgumentType]
+    back = flow.calc(b.grey, a.grey, None)  # pyright: ignore[reportCallIssue, reportArgumentType]
     height, width = a.grey.shape
     x, y = np.meshgrid(np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32))
     to_x, to_y = x + there[..., 0], y + there[..., 1]
@@ -153,7 +194,7 @@ def _compare(
         & (np.hypot(there[..., 0], there[..., 1]) < bound)
     )
     hue = (a.hue > 0) & (cv2.remap(b.hue, to_x, to_y, cv2.INTER_NEAREST) > 0)
-    at = (spots[:, 1], spots[:, 0])
+    at = (grid[:, 1], grid[:, 0])
     displacement = there[at].astype(np.float64)
     displacement[~believed[at]] = np.nan
     return displacement, hue[at]
@@ -169,24 +210,26 @@ def _likeness(a: NDArray[np.float32], b: NDArray[np.float32], box: int = 15) -> 
 
 
 def _agreed(
-    moments: Sequence[tuple[Array, NDArray[np.bool_]]], spots: NDArray[np.int64], settings: DenseSettings
-) -> tuple[Array, Array, Array, NDArray[np.int64]] | None:
-    """(spots kept, where they lie in the other view, weight, moments that agree), or None if fewer than 20."""
-    if not moments:
+    displacements: Sequence[tuple[Array, NDArray[np.bool_]]], grid: NDArray[np.int64], settings: DenseSettings
+) -> Correspondences | None:
+    """The grid's points, in pixels of the crop, that several samples agree of; None if fewer than 20."""
+    if not displacements:
         return None
-    moved = np.stack([m[0] for m in moments])  # (moments, N, 2)
+    moved = np.stack([displacement for displacement, _ in displacements])  # (samples, N, 2)
+    hue = np.stack([hue for _, hue in displacements])
     known = ~np.isnan(moved[..., 0])
     seen = known.sum(axis=0)
-    some = seen >= min(settings.moments, len(moments))
-    if some.sum() < 20:
+    some = seen >= min(settings.moments, len(displacements))
+    if some.sum() < _LEAST_POINTS:
         return None
-    moved, known, hue = moved[:, some], known[:, some], np.stack([m[1] for m in moments])[:, some]
+    moved, known, hue = moved[:, some], known[:, some], hue[:, some]
     median = np.nanmedian(moved, axis=0)
-    spread = np.nanmedian(np.hypot(*np.moveaxis(moved - median, 2, 0)), axis=0)
+    off = moved - median
+    spread = np.nanmedian(np.hypot(off[..., 0], off[..., 1]), axis=0)
     keep = spread < settings.spread_px
-    if keep.sum() < 20:
+    if keep.sum() < _LEAST_POINTS:
         return None
     share = (hue & known).sum(axis=0) / known.sum(axis=0)
     weight = settings.other_hue + (1 - settings.other_hue) * share
-    here = spots[some][keep].astype(np.float64)
-    return here, here + median[keep], weight[keep], seen[some][keep].astype(np.int64)
+    points = grid[some][keep].astype(np.float64)
+    return Correspondences(points, points + median[keep], weight[keep], seen[some][keep].astype(np.int64))

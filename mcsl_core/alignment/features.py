@@ -12,11 +12,24 @@ from .protocol import Features
 
 @frozen
 class RootSift:
-    """SIFT with the Hellinger kernel (Arandjelovic and Zisserman, CVPR 2012), mutual nearest neighbours with ratio.
+    """SIFT with the Hellinger kernel, mutual nearest neighbours with ratio.
 
-    Finds views turned by any angle. max_features: strongest points kept a picture. ratio: the nearest
-    descriptor must be this much nearer than the second (Lowe 2004, section 7.1); 0.85 with the mutual test
-    gave more true matches than 0.75 without it on drapes.
+    Attributes
+    ----------
+    max_features : int
+        Strongest points kept of a picture.
+    ratio : float
+        The nearest descriptor must be so much nearer than the second, 0..1. 0.85 with the mutual test gave more true
+        matches than 0.75 without it on drapes.
+
+    Notes
+    -----
+    Matches cameras turned by any angle.
+
+    References
+    ----------
+    Arandjelovic and Zisserman, "Three things everyone should know to improve object retrieval", CVPR 2012. Lowe,
+    "Distinctive image features from scale-invariant keypoints", IJCV 2004, section 7.1 (the ratio).
     """
 
     max_features: int = field(default=1500)
@@ -24,7 +37,7 @@ class RootSift:
     name = "rootsift"
 
     def features(self, picture: NDArray[np.uint8], mask: NDArray[np.uint8] | None = None) -> Features:
-        """The points of a BGR or grey (H, W[, 3]) uint8 picture, only where ``mask`` (H, W) is not 0."""
+        """Finds the distinctive points of a picture; see `Matcher.features`. Grey (H, W) pictures are taken too."""
         grey = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY) if picture.ndim == 3 else picture
         # Drapes have contrast of a few grey levels: a lower threshold than Lowe's 0.04 finds their weave and seams.
         sift = cv2.SIFT_create(nfeatures=self.max_features, contrastThreshold=0.01)  # pyright: ignore[reportAttributeAccessIssue]
@@ -37,12 +50,27 @@ class RootSift:
         return Features(points, root.astype(np.float32), size)
 
     def match(self, a: Features, b: Features) -> NDArray[np.intp]:
-        """(M, 2) indices: row i says that point [i, 0] of ``a`` is point [i, 1] of ``b``."""
+        """Matches the points of two pictures; see `Matcher.match`."""
         return mutual_nearest(a.descriptors, b.descriptors, self.ratio)
 
 
 def mutual_nearest(a: NDArray[np.float32], b: NDArray[np.float32], ratio: float) -> NDArray[np.intp]:
-    """Pairs of unit descriptors that are each other's nearest and pass the ratio test from ``a``: (M, 2) indices."""
+    """Matches descriptors that are each other's nearest and pass the ratio test from ``a``.
+
+    Parameters
+    ----------
+    a : (N, D) float array
+        Descriptors of unit length.
+    b : (K, D) float array
+        Likewise.
+    ratio : float
+        Largest distance to the nearest, as a share of that to the second nearest.
+
+    Returns
+    -------
+    (M, 2) int array
+        Row i: descriptor [i, 0] of ``a`` matches [i, 1] of ``b``. None where either has fewer than two.
+    """
     if len(a) < 2 or len(b) < 2:
         return np.zeros((0, 2), np.intp)
     similarity = a @ b.T

@@ -1,6 +1,6 @@
-"""Where the surgical field lies in a pose: what all cameras show there most of the time has its hue.
+"""Where the surgical field lies in a pose: by hue, by vote of the cameras, by what stays.
 
-Masks are (H, W) bool in scene pixels.
+Masks are bool; (H, W) in aligned pixels, (h, w) in those of a camera's reduced picture.
 """
 
 from __future__ import annotations
@@ -12,31 +12,109 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from mcsl_core.imaging.masks import Mask, close_gaps, hue_mask, main_region
+from mcsl_core.imaging.geometry import Array, scaling, transform_points
+from mcsl_core.imaging.masks import Mask, central_ellipse, close_gaps, hue_mask, main_region
 
 from .aligned_views import AlignedPose, Picture
+from .correspondences import Pairs
+
+_BINS = 8  # a side of the colour cube of `modal_picture`
 
 
-def field_from_hue(pictures: Sequence[Picture]) -> Mask:
-    """(h, w) bool: where most of a still camera's pictures have the field's hue, its main region only."""
-    votes = np.mean([hue_mask(p) > 0 for p in pictures], axis=0)
+def field_of_camera(pictures: Sequence[Picture]) -> Mask:
+    """The field in one camera's own pictures, while nothing is aligned yet.
+
+    Parameters
+    ----------
+    pictures : sequence of (h, w, 3) uint8 array
+        BGR, of a camera that stands still; one at least.
+
+    Returns
+    -------
+    (h, w) bool array
+        Where most of them have the field's hue, the main region only.
+    """
+    votes = np.mean([hue_mask(picture) > 0 for picture in pictures], axis=0)
     return main_region(votes > 0.5)
 
 
-_BINS = 8  # a side of the colour cube
+def field_by_vote(aligned: AlignedPose, fields: Mapping[str, Mask]) -> Mask:
+    """The field by the cameras' own masks.
 
+    Parameters
+    ----------
+    aligned : AlignedPose
+        How the cameras lie; its own field is not used.
+    fields : mapping of str to (h, w) bool array
+        Camera -> the field in its own picture; empty masks have no vote.
 
-def typical_picture(scene: AlignedPose, moments: Iterable[Mapping[str, Picture | None]]) -> Picture:
-    """(H, W, 3) BGR: the commonest colour at every scene pixel, over all moments and cameras, coarsely.
-
-    A head or a hand hides a place from some cameras at some moments and never looks quite the same; what lies behind it
-    does. (The mean of many moments instead gave gloves that work in one place for field.)
+    Returns
+    -------
+    (H, W) bool array
+        Where most of the cameras that cover a pixel have the field there. The middle of the picture where none has any.
     """
-    width, height = scene.size
+    width, height = aligned.size
+    votes, voters = np.zeros((height, width)), np.zeros((height, width))
+    for name in aligned.homographies:
+        own = fields.get(name)
+        if own is None or not own.any():
+            continue
+        warp = aligned.warp_of(name, (own.shape[1], own.shape[0]))
+        votes += cv2.warpPerspective(own.astype(np.float32), warp, aligned.size)
+        voters += cv2.warpPerspective(np.ones(own.shape, np.float32), warp, aligned.size)
+    field = main_region((votes > 0.5 * voters) & (voters > 0.5))
+    return field if field.any() else central_ellipse(aligned.size)
+
+
+def field_in_camera(aligned: AlignedPose, camera: str, shape: tuple[int, int]) -> Mask:
+    """The hull of the field in a camera's picture.
+
+    Parameters
+    ----------
+    aligned : AlignedPose
+        With a field that is not empty.
+    camera : str
+        One that is tied in.
+    shape : (int, int)
+        Rows and columns of the reduced picture.
+
+    Returns
+    -------
+    (h, w) bool array
+        The hull: hands and instruments cut holes into the field's colour, but what lies between is the field too.
+    """
+    outline = cv2.convexHull(np.argwhere(aligned.field)[:, ::-1].astype(np.float32)).reshape(-1, 2)
+    back: Array = np.asarray(np.linalg.inv(aligned.warp_of(camera, (shape[1], shape[0]))), np.float64)
+    mask = np.zeros(shape, np.uint8)
+    cv2.fillConvexPoly(mask, np.round(transform_points(back, outline.astype(np.float64))).astype(np.int32), 1)
+    return mask > 0
+
+
+def modal_picture(aligned: AlignedPose, samples: Iterable[Mapping[str, Picture | None]]) -> Picture:
+    """The commonest colour at every aligned pixel, over all samples and cameras, coarsely.
+
+    Parameters
+    ----------
+    aligned : AlignedPose
+        How the cameras lie.
+    samples : iterable of mapping of str to (h, w, 3) uint8 array or None
+        Per sample, camera -> its picture, BGR.
+
+    Returns
+    -------
+    (H, W, 3) uint8 array
+        BGR.
+
+    Notes
+    -----
+    A head or a hand hides a pixel from some cameras in some samples and never appears quite the same; what lies behind it
+    does. (The mean of many samples instead gave gloves that work above one part of the drapes for field.)
+    """
+    width, height = aligned.size
     counts = np.zeros((height * width, _BINS**3), np.uint16)
     pixels = np.arange(height * width)
-    for pictures in moments:
-        for view in scene.views(pictures):
+    for pictures in samples:
+        for view in aligned.views(pictures):
             lab = cv2.cvtColor(cv2.GaussianBlur(view.aligned, (0, 0), 0.7), cv2.COLOR_BGR2LAB).reshape(-1, 3)
             inside = view.inside.ravel()
             bins = _bins(lab.astype(np.int32))
@@ -46,6 +124,61 @@ def typical_picture(scene: AlignedPose, moments: Iterable[Mapping[str, Picture |
         cube = uniform_filter1d(cube, 2, axis=axis, mode="constant")
     lab = _colours(cube.reshape(height * width, -1).argmax(axis=1)).reshape(height, width, 3)
     return cv2.cvtColor(lab, cv2.COLOR_LAB2BGR)  # pyright: ignore[reportReturnType]
+
+
+def field_by_hue(picture: Picture) -> Mask:
+    """The field in a modal picture.
+
+    Parameters
+    ----------
+    picture : (H, W, 3) uint8 array
+        BGR; see `modal_picture`.
+
+    Returns
+    -------
+    (H, W) bool array
+        The main region of the field's hue, with what lies in it filled in; may be empty.
+
+    References
+    ----------
+    The paper's section "Experimental Setups" has the hues.
+    """
+    return close_gaps(main_region(hue_mask(picture) > 0))
+
+
+def field_that_stays(aligned: AlignedPose, by_hue: Mask, dense: Pairs) -> Mask:
+    """The part of the field's hue that stays: where two pairs of cameras at least match it in several samples.
+
+    Parameters
+    ----------
+    aligned : AlignedPose
+        How the cameras lie; its own field is not used.
+    by_hue : (H, W) bool array
+        The field in the modal picture.
+    dense : mapping of (str, str) to Correspondences
+        The matches of every pair of cameras; see `match_densely`.
+
+    Returns
+    -------
+    (H, W) bool array
+        All of ``by_hue`` where less than three tenths of it stay; the middle of the picture where that is empty too.
+
+    Notes
+    -----
+    Hands in gloves of the field's hue lie in the modal picture where they work, but nothing there stays.
+    """
+    stays = np.zeros((aligned.size[1], aligned.size[0]), np.uint8)
+    to_aligned = scaling(aligned.camera_sizes[aligned.reference], aligned.size)
+    for (a, _), matches in dense.items():
+        points = np.round(transform_points(to_aligned @ aligned.homographies[a], matches.a)).astype(int)
+        inside = ((points >= 0) & (points < aligned.size)).all(axis=1) & (matches.weight > 0.6)
+        seen = np.zeros_like(stays)
+        seen[points[inside, 1], points[inside, 0]] = 1
+        stays += cv2.dilate(seen, np.ones((7, 7), np.uint8))  # pyright: ignore[reportOperatorIssue]
+    field = close_gaps(main_region((stays >= min(2, len(dense))) & by_hue), gap=0.04)
+    if field.sum() >= 0.3 * by_hue.sum() > 0:
+        return field
+    return by_hue if by_hue.any() else central_ellipse(aligned.size)
 
 
 def _bins(lab: NDArray[np.int32]) -> NDArray[np.int32]:
@@ -59,8 +192,3 @@ def _colours(bins: NDArray[np.int64]) -> NDArray[np.uint8]:
     """The corner between a bin and the one before it in each direction, which is the middle of the smoothed bin."""
     light, a, b = bins // _BINS**2 * 32, bins // _BINS % _BINS * 16 + 64, bins % _BINS * 16 + 64
     return np.stack([light, a, b], axis=1).astype(np.uint8)
-
-
-def field_by_hue(picture: Picture) -> Mask:
-    """The field in a `typical_picture`: its hue's main region, with what lies in it filled in."""
-    return close_gaps(main_region(hue_mask(picture) > 0))

@@ -1,9 +1,9 @@
 """From matched points to one homography per camera: pairwise, robust, then all pairs together.
 
-Homographies map full-size camera pixels to full-size reference pixels, pixel centres at integers.
-The scene is a relief, so true matches lie off any plane by several pixels; what they do obey is the epipolar
-geometry of their pair. So matches are sifted by a generous homography and by the fundamental matrix, and the
-plane is then fitted by least squares over the surgical field instead of by the count of close matches.
+Homographies map full-size camera pixels to full-size reference pixels, pixel centres at integers. The field is a
+relief, so true matches lie off any plane by several pixels; what they do obey is the epipolar geometry of their pair.
+So matches are sifted by a generous homography and by the fundamental matrix, and the plane is then fitted by least
+squares over the surgical field instead of by the count of close matches.
 """
 
 from __future__ import annotations
@@ -22,20 +22,46 @@ from mcsl_core.imaging.geometry import Array, transform_points
 from .correspondences import CELL_PX, Correspondences
 from .protocol import Alignment
 
+Pair = tuple[str, str]
+
 
 @frozen
 class AlignmentSettings:
-    """Thresholds in fractions of the picture's diagonal where they depend on its size."""
+    """When a pair of cameras is trusted; the EDL keeps all of these under their names.
 
-    relief: float = field(default=0.02)  # how far a true match may lie off the plane
-    epipolar: float = field(default=0.0018)  # how far off its epipolar line (2 px at 960x540)
-    min_support: int = field(default=16)  # distinct places below which a pair is not trusted
-    min_spread: float = field(default=0.015)  # share of the picture that the places' hull covers
+    Attributes
+    ----------
+    relief : float
+        How far a true match may lie off the plane, in diagonals of the picture.
+    epipolar : float
+        How far off its epipolar line, in diagonals (2 px at 960x540).
+    min_support : int
+        Distinct cells below which a pair is not trusted.
+    min_spread : float
+        Share of the picture that the hull of a pair's matches covers at least, 0..1.
+    """
+
+    relief: float = field(default=0.02)
+    epipolar: float = field(default=0.0018)
+    min_support: int = field(default=16)
+    min_spread: float = field(default=0.015)
 
 
 @frozen(eq=False)
 class PairFit:
-    """Two cameras tied by one homography a -> b, with the matches that agree."""
+    """Two cameras tied by one homography, with the matches that agree.
+
+    Attributes
+    ----------
+    homography : (3, 3) array
+        Full-size pixel of camera a -> of camera b.
+    kept : Correspondences
+        The matches that agree.
+    support : int
+        In how many distinct cells they lie, in the camera where those are fewer.
+    spread : float
+        Share of the picture that their hull covers, 0..1, likewise.
+    """
 
     homography: Array
     kept: Correspondences
@@ -43,20 +69,102 @@ class PairFit:
     spread: float
 
 
-def _cells(points: Array, cell_px: float = CELL_PX) -> int:
-    return len(np.unique(np.floor(points / cell_px).astype(np.int64), axis=0))
+@frozen
+class JointPlane:
+    """All cameras tied by the plane that serves the surgical field best: robust pairs, then all pairs together.
+
+    Attributes
+    ----------
+    settings : AlignmentSettings
+        When a pair is trusted.
+    """
+
+    settings: AlignmentSettings = field(factory=AlignmentSettings)
+    name = "joint-plane"
+
+    def align(
+        self,
+        pairs: Mapping[Pair, Correspondences],
+        sizes: Mapping[str, tuple[int, int]],
+        reference: str,
+    ) -> Alignment:
+        """Ties the cameras together by the matches of their pairs; see `align` and `Aligner.align`."""
+        return align(pairs, sizes, reference, self.settings)
 
 
-def _hull_area(points: Array) -> float:
-    return float(cv2.contourArea(cv2.convexHull(points.astype(np.float32)))) if len(points) >= 3 else 0.0
+def align(
+    pairs: Mapping[Pair, Correspondences],
+    sizes: Mapping[str, tuple[int, int]],
+    reference: str,
+    settings: AlignmentSettings | None = None,
+) -> Alignment:
+    """Ties every camera to the reference: pairwise fits, the tree of most agreed support, joint refinement.
+
+    Parameters
+    ----------
+    pairs : mapping of (str, str) to Correspondences
+        Cameras (a, b) -> their pooled matches.
+    sizes : mapping of str to (int, int)
+        Every camera's full width and height.
+    reference : str
+        One of ``sizes``.
+    settings : AlignmentSettings, optional
+        The defaults without.
+
+    Returns
+    -------
+    Alignment
+        A camera that lies farther off than any relief is weak: its pairs agree in no one plane.
+    """
+    settings = settings or AlignmentSettings()
+    names = sorted(sizes)
+    fits: dict[Pair, PairFit] = {}
+    for (a, b), matches in sorted(pairs.items()):
+        fit = fit_pair(matches, sizes[a], sizes[b], settings)
+        if fit is not None:
+            fits[a, b] = fit
+    trusted = set(names)
+    while True:
+        possible = {pair: fit for pair, fit in fits.items() if trusted.issuperset(pair)}
+        tied, agreed = _tie(possible, sizes, reference, settings)
+        homographies = _refine(agreed, tied, reference, sizes)
+        quality = {n: _quality(n, agreed, homographies) for n in homographies if n != reference}
+        off = {name: rms for name, (rms, _) in quality.items()}
+        worst = max(off, key=off.__getitem__, default=None)
+        if worst is None or off[worst] <= settings.relief * float(np.hypot(*sizes[reference])):
+            break
+        trusted.remove(worst)
+    residual = {name: rms for name, (rms, _) in sorted(quality.items())}
+    support = {name: cells for name, (_, cells) in sorted(quality.items())}
+    weak = tuple(
+        Weak(name, _diagnosis(name, pairs, fits, homographies, settings)) for name in names if name not in homographies
+    )
+    return Alignment(homographies, residual, support, weak)
 
 
 def fit_pair(
     pair: Correspondences, size_a: tuple[int, int], size_b: tuple[int, int], settings: AlignmentSettings
 ) -> PairFit | None:
-    """Robust homography from camera a to camera b, or None when the matches do not tie the two together.
+    """Fits the homography of two cameras, robustly.
 
-    Judged by distinct places and the area they span, never by the number of matches.
+    Parameters
+    ----------
+    pair : Correspondences
+        Their pooled matches.
+    size_a, size_b : (int, int)
+        Full width and height of each.
+    settings : AlignmentSettings
+        When the pair is trusted.
+
+    Returns
+    -------
+    PairFit or None
+        None when the matches do not tie the two together: judged by distinct cells and the area they span, never by the
+        number of matches.
+
+    References
+    ----------
+    Larsson, "PoseLib - minimal solvers for camera pose estimation", 2020: robust homography and fundamental matrix.
     """
     if len(pair) < settings.min_support:
         return None
@@ -80,13 +188,28 @@ def fit_pair(
     return None if refined is None else PairFit(refined, kept, support, spread)
 
 
-def _normaliser(points: Array) -> Array:
-    centre, scale = points.mean(axis=0), np.sqrt(2) / max(float(points.std(axis=0).mean()), 1e-9)
-    return np.array([[scale, 0, -scale * centre[0]], [0, scale, -scale * centre[1]], [0, 0, 1]])
-
-
 def fit_homography(pair: Correspondences, start: Array, rounds: int = 10) -> Array | None:
-    """Weighted least squares on the transfer error a -> b, Huber at 1.5 times the median residual (Gauss-Newton)."""
+    """Refines a homography by weighted least squares on its transfer error.
+
+    Parameters
+    ----------
+    pair : Correspondences
+        What counts, by its weights.
+    start : (3, 3) array
+        Pixel of a -> pixel of b.
+    rounds : int, optional
+        Steps at most.
+
+    Returns
+    -------
+    (3, 3) array or None
+        [2, 2] is 1. None where it degenerates.
+
+    Notes
+    -----
+    Gauss-Newton on normalised points (Hartley, "In defense of the eight-point algorithm", PAMI 1997), Huber at 1.5
+    times the median residual.
+    """
     to_a, to_b = _normaliser(pair.a), _normaliser(pair.b)
     a, b = transform_points(to_a, pair.a), transform_points(to_b, pair.b)
     h = to_b @ start @ np.linalg.inv(to_a)
@@ -115,179 +238,127 @@ def fit_homography(pair: Correspondences, start: Array, rounds: int = 10) -> Arr
     return result / result[2, 2]
 
 
-def align(
-    pairs: Mapping[tuple[str, str], Correspondences],
-    sizes: Mapping[str, tuple[int, int]],
-    reference: str,
-    settings: AlignmentSettings | None = None,
-) -> Alignment:
-    """Ties every camera to ``reference``: pairwise fits, the tree of most agreed support, joint refinement.
-
-    ``pairs`` holds the pooled correspondences of camera pairs (a, b); ``sizes`` every camera's (width, height).
-    """
-    settings = settings or AlignmentSettings()
-    names = sorted(sizes)
-    fits: dict[tuple[str, str], PairFit] = {}
-    for (a, b), matches in sorted(pairs.items()):
-        fit = fit_pair(matches, sizes[a], sizes[b], settings)
-        if fit is not None:
-            fits[a, b] = fit
-    trusted = set(names)
-    while True:
-        possible = {pair: fit for pair, fit in fits.items() if trusted.issuperset(pair)}
-        tied, agreed = _tie(possible, sizes, reference, settings)
-        homographies = _refine(agreed, tied, reference, sizes)
-        quality = {n: _quality(n, agreed, homographies) for n in homographies if n != reference}
-        worst = max(quality, key=lambda n: quality[n][0], default=None)
-        if worst is None or quality[worst][0] <= settings.relief * float(np.hypot(*sizes[reference])):
-            break
-        trusted.remove(worst)  # farther off than any relief: its pairs agree in no one plane
-    residual = {name: rms for name, (rms, _) in sorted(quality.items())}
-    support = {name: places for name, (_, places) in sorted(quality.items())}
-    weak = tuple(
-        Weak(name, _diagnosis(name, pairs, fits, homographies, settings)) for name in names if name not in homographies
-    )
-    return Alignment(homographies, residual, support, weak)
-
-
-@frozen
-class JointPlane:
-    """All cameras tied by the plane that serves the surgical field best: robust pairs, then all pairs together."""
-
-    settings: AlignmentSettings = field(factory=AlignmentSettings)
-    name = "joint-plane"
-
-    def align(
-        self,
-        pairs: Mapping[tuple[str, str], Correspondences],
-        sizes: Mapping[str, tuple[int, int]],
-        reference: str,
-    ) -> Alignment:
-        """See `align`."""
-        return align(pairs, sizes, reference, self.settings)
-
-
 def _tie(
-    fits: Mapping[tuple[str, str], PairFit],
+    fits: Mapping[Pair, PairFit],
     sizes: Mapping[str, tuple[int, int]],
     reference: str,
     settings: AlignmentSettings,
-) -> tuple[dict[str, Array], dict[tuple[str, str], PairFit]]:
+) -> tuple[dict[str, Array], dict[Pair, PairFit]]:
     """(homographies to the reference, the fits that agree with them), grown from the reference like a maximum
-    spanning tree (Prim), but by *agreed* support: a camera is placed where most of its pairs agree that it lies.
+    spanning tree (Prim), but by *agreed* support: a camera is laid where most of its pairs agree that it lies.
 
     A pair can be wrong as a whole: two cameras that see the same head match it well, a metre off the field's plane.
-    Such a pair contradicts the others, and a camera whose pairs mostly contradict its place is not tied in.
+    Such a pair contradicts the others, and a camera whose pairs mostly contradict it is not tied in.
     """
     tied: dict[str, Array] = {reference: np.eye(3)}
-    agreed: dict[tuple[str, str], PairFit] = {}
+    agreed: dict[Pair, PairFit] = {}
     bound = settings.relief * float(np.hypot(*sizes[reference]))
     while True:
-        best: tuple[int, str, Array, list[tuple[str, str]]] | None = None
+        best: tuple[int, str, Array, list[Pair]] | None = None
         for name in sorted(set(sizes) - set(tied)):
             pairs = [key for key in fits if name in key and (key[0] in tied or key[1] in tied)]
             for key in pairs:
-                placed = _placed(name, key, fits[key], tied)
-                agree = [k for k in pairs if _disagreement(fits[k], tied | {name: placed}, k) < bound]
+                homography = _by_way_of(name, key, fits[key], tied)
+                agree = [k for k in pairs if _disagreement(fits[k], tied | {name: homography}, k) < bound]
                 support = sum(fits[k].support for k in agree)
                 against = sum(fits[k].support for k in pairs if k not in agree)
                 if support > against and (best is None or support > best[0]):
-                    best = (support, name, placed, agree)
+                    best = (support, name, homography, agree)
         if best is None:
             return tied, agreed
-        _, name, placed, agree = best
-        tied[name] = placed
+        _, name, homography, agree = best
+        tied[name] = homography
         agreed |= {key: fits[key] for key in agree}
 
 
-def _placed(name: str, key: tuple[str, str], fit: PairFit, tied: Mapping[str, Array]) -> Array:
+def _by_way_of(name: str, key: Pair, fit: PairFit, tied: Mapping[str, Array]) -> Array:
     """The homography of ``name`` to the reference by way of the other camera of a pair."""
     a, b = key
     h = tied[b] @ fit.homography if name == a else tied[a] @ np.linalg.inv(fit.homography)
     return h / h[2, 2]
 
 
-def _disagreement(fit: PairFit, homographies: Mapping[str, Array], key: tuple[str, str]) -> float:
-    """Median distance in reference pixels between where a pair's two cameras place the same things."""
-    error = transform_points(homographies[key[0]], fit.kept.a) - transform_points(homographies[key[1]], fit.kept.b)
-    return float(np.median(np.hypot(*error.T)))
+def _disagreement(fit: PairFit, homographies: Mapping[str, Array], key: Pair) -> float:
+    """Median distance in reference pixels between where a pair's two cameras have the same points."""
+    a, b = key
+    error = transform_points(homographies[a], fit.kept.a) - transform_points(homographies[b], fit.kept.b)
+    return float(np.median(np.hypot(error[:, 0], error[:, 1])))
 
 
 def _refine(
-    fits: Mapping[tuple[str, str], PairFit],
+    fits: Mapping[Pair, PairFit],
     homographies: dict[str, Array],
     reference: str,
     sizes: Mapping[str, tuple[int, int]],
 ) -> dict[str, Array]:
-    """All homographies together: 8 parameters a view, Huber transfer error over all pairs, in reference pixels."""
+    """All homographies together: 8 parameters a camera, Huber transfer error over all pairs, in reference pixels."""
     free = [name for name in homographies if name != reference]
     used = [(a, b, fit.kept) for (a, b), fit in fits.items() if a in homographies and b in homographies]
     if not free or not used:
         return homographies
-    width, height = sizes[reference]
-    scale = np.diag([2 / width, 2 / width, 1.0]) @ np.array([[1, 0, -width / 2], [0, 1, -height / 2], [0, 0, 1]])
-    own = {}
-    for name in homographies:
-        w, h = sizes[name]
-        own[name] = np.diag([2 / w, 2 / w, 1.0]) @ np.array([[1, 0, -w / 2], [0, 1, -h / 2], [0, 0, 1]])
+    own = {name: _centred(sizes[name]) for name in homographies}
+    scale = own[reference]
     start = {n: scale @ homographies[n] @ np.linalg.inv(own[n]) for n in homographies}
     x0 = np.concatenate([(start[n] / start[n][2, 2]).ravel()[:8] for n in free])
     terms = []
     total = sum(float(kept.weight.sum()) for _, _, kept in used)
     for a, b, kept in used:
-        direct = reference in (a, b)
         # The reference's pairs say where a pixel belongs; the others keep the cameras consistent.
-        weight = np.sqrt(kept.weight / total * (1.0 if direct else 0.5))
-        terms.append(
-            (a, b, transform_points(own[a], kept.a), transform_points(own[b], kept.b), np.concatenate([weight, weight]))
-        )
+        root = np.sqrt(kept.weight / total * (1.0 if reference in (a, b) else 0.5))
+        points_a, points_b = transform_points(own[a], kept.a), transform_points(own[b], kept.b)
+        terms.append((a, b, points_a, points_b, np.concatenate([root, root])))
 
-    def place(x: Array, name: str, points: Array) -> Array:
-        if name == reference:
-            return points
+    def homography(x: Array, name: str) -> Array:
         i = free.index(name) * 8
-        return transform_points(np.append(x[i : i + 8], 1.0).reshape(3, 3), points)
+        return np.append(x[i : i + 8], 1.0).reshape(3, 3)
+
+    def moved(x: Array, name: str, points: Array) -> Array:
+        return points if name == reference else transform_points(homography(x, name), points)
 
     def residuals(x: Array) -> Array:
         parts = []
-        for a, b, points_a, points_b, weight in terms:
-            error = place(x, a, points_a) - place(x, b, points_b)
-            parts.append(np.concatenate([error[:, 0], error[:, 1]]) * weight)
+        for a, b, points_a, points_b, root in terms:
+            error = moved(x, a, points_a) - moved(x, b, points_b)
+            parts.append(np.concatenate([error[:, 0], error[:, 1]]) * root)
         return np.concatenate(parts)
 
     at_start = residuals(x0)
     # Huber beyond 5 % of the width, in the units that the weights give the residuals: relief is no outlier, and the
     # plane that serves the field best is the one of least squares (1 % instead: 0.05 more of the best plane's error).
-    typical = float(np.median(np.concatenate([w for *_, w in terms])))
+    typical = float(np.median(np.concatenate([root for *_, root in terms])))
     solved = least_squares(residuals, x0, loss="huber", f_scale=max(0.1 * typical, 1e-12), max_nfev=60)
     if not np.isfinite(solved.x).all() or np.square(solved.fun).sum() > 4 * np.square(at_start).sum():
         return homographies
     refined = {reference: np.eye(3)}
-    for i, name in enumerate(free):
-        h = np.linalg.inv(scale) @ np.append(solved.x[i * 8 : i * 8 + 8], 1.0).reshape(3, 3) @ own[name]
+    for name in free:
+        h = np.linalg.inv(scale) @ homography(solved.x, name) @ own[name]
         refined[name] = h / h[2, 2]
     return refined
 
 
-def _quality(
-    name: str, fits: Mapping[tuple[str, str], PairFit], homographies: Mapping[str, Array]
-) -> tuple[float, int]:
-    """(weighted rms transfer error in reference pixels, distinct places) over a camera's pairs."""
-    squares, weights, places = [], [], []
+def _centred(size: tuple[int, int]) -> Array:
+    """(3, 3): pixel of a picture -> about its middle, in half widths."""
+    width, height = size
+    return np.diag([2 / width, 2 / width, 1.0]) @ np.array([[1, 0, -width / 2], [0, 1, -height / 2], [0, 0, 1]])
+
+
+def _quality(name: str, fits: Mapping[Pair, PairFit], homographies: Mapping[str, Array]) -> tuple[float, int]:
+    """(weighted rms transfer error in reference pixels, distinct cells) over a camera's pairs."""
+    squares, weights, points = [], [], []
     for (a, b), fit in fits.items():
         if name in (a, b) and a in homographies and b in homographies:
             error = transform_points(homographies[a], fit.kept.a) - transform_points(homographies[b], fit.kept.b)
             squares.append((error**2).sum(axis=1))
             weights.append(fit.kept.weight)
-            places.append(fit.kept.a if name == a else fit.kept.b)
+            points.append(fit.kept.a if name == a else fit.kept.b)
     rms = float(np.sqrt(np.average(np.concatenate(squares), weights=np.concatenate(weights))))
-    return rms, _cells(np.concatenate(places))
+    return rms, _cells(np.concatenate(points))
 
 
 def _diagnosis(
     name: str,
-    pairs: Mapping[tuple[str, str], Correspondences],
-    fits: Mapping[tuple[str, str], PairFit],
+    pairs: Mapping[Pair, Correspondences],
+    fits: Mapping[Pair, PairFit],
     homographies: Mapping[str, Array],
     settings: AlignmentSettings,
 ) -> str:
@@ -310,3 +381,18 @@ def _diagnosis(
         f"its points match no other camera in one plane: {len(matches)} distinct places match {best}, "
         "but they contradict each other or lie in one small spot"
     )
+
+
+def _cells(points: Array, cell_px: float = CELL_PX) -> int:
+    """In how many distinct cells the points lie."""
+    return len(np.unique(np.floor(points / cell_px).astype(np.int64), axis=0))
+
+
+def _hull_area(points: Array) -> float:
+    return float(cv2.contourArea(cv2.convexHull(points.astype(np.float32)))) if len(points) >= 3 else 0.0
+
+
+def _normaliser(points: Array) -> Array:
+    """(3, 3): points moved to the origin and scaled to unit spread."""
+    centre, scale = points.mean(axis=0), np.sqrt(2) / max(float(points.std(axis=0).mean()), 1e-9)
+    return np.array([[scale, 0, -scale * centre[0]], [0, scale, -scale * centre[1]], [0, 0, 1]])

@@ -16,25 +16,22 @@ from .correspondences import Correspondences
 
 
 @frozen(eq=False)
-class Alignment:
-    """One homography per camera that could be tied in, and how sure each is.
-
-    homographies: camera -> 3x3, camera pixel -> reference pixel. residual_px: weighted rms over the matches kept,
-    in reference pixels. support: distinct places. weak: the others, with the reason.
-    """
-
-    homographies: Mapping[str, Array]
-    residual_px: Mapping[str, float]
-    support: Mapping[str, int]
-    weak: tuple[Weak, ...]
-
-
-@frozen(eq=False)
 class Features:
     """The distinctive points of one picture.
 
-    points: (N, 2) float32 pixels. descriptors: (N, D) float32, each of unit length.
-    size: (width, height) of the picture.
+    Attributes
+    ----------
+    points : (N, 2) float32 array
+        Pixels (x, y) of the picture.
+    descriptors : (N, D) float32 array
+        One for each point, of unit length.
+    size : (int, int)
+        Width and height of the picture.
+
+    Raises
+    ------
+    ValueError
+        Where a shape does not fit.
     """
 
     points: NDArray[np.float32]
@@ -49,18 +46,63 @@ class Features:
 
 
 class Matcher(Protocol):
-    """Finds the same places in two pictures."""
+    """Finds the same points in two pictures."""
 
     @property
     def name(self) -> str: ...
 
     def features(self, picture: NDArray[np.uint8], mask: NDArray[np.uint8] | None = None) -> Features:
-        """Distinctive points of a (H, W, 3) BGR picture, only where ``mask`` (H, W) is not 0."""
+        """Finds the distinctive points of a picture.
+
+        Parameters
+        ----------
+        picture : (H, W, 3) uint8 array
+            BGR.
+        mask : (H, W) uint8 array, optional
+            Points are wanted only where it is not 0.
+
+        Returns
+        -------
+        Features
+        """
         ...
 
     def match(self, a: Features, b: Features) -> NDArray[np.intp]:
-        """(M, 2) indices: point [i, 0] of ``a`` is point [i, 1] of ``b``; each point at most once."""
+        """Matches the points of two pictures.
+
+        Parameters
+        ----------
+        a, b : Features
+            Of the two pictures.
+
+        Returns
+        -------
+        (M, 2) int array
+            Point [i, 0] of ``a`` is point [i, 1] of ``b``; each point at most once.
+        """
         ...
+
+
+@frozen(eq=False)
+class Alignment:
+    """One homography per camera that could be tied in, and how sure each is.
+
+    Attributes
+    ----------
+    homographies : mapping of str to (3, 3) array
+        Camera -> full-size camera pixel to full-size reference pixel, [2, 2] being 1; the reference's is the identity.
+    residual_px : mapping of str to float
+        Camera, without the reference -> weighted rms over the matches kept, in reference pixels.
+    support : mapping of str to int
+        Camera, without the reference -> in how many distinct cells its matches lie.
+    weak : tuple of Weak
+        The other cameras, with the reason.
+    """
+
+    homographies: Mapping[str, Array]
+    residual_px: Mapping[str, float]
+    support: Mapping[str, int]
+    weak: tuple[Weak, ...]
 
 
 class Aligner(Protocol):
@@ -75,10 +117,22 @@ class Aligner(Protocol):
         sizes: Mapping[str, tuple[int, int]],
         reference: str,
     ) -> Alignment:
-        """One homography per camera that can be tied in, the others as weak with a reason.
+        """Ties the cameras together by the matches of their pairs.
 
-        pairs: matches of cameras (a, b), pooled over clear moments: first of distinctive points, of which those in the
-        surgical field weigh 1, those outside about 0.01; then of every spot of the field, which weigh 0.3 to 1. sizes:
-        every camera's (width, height).
+        Parameters
+        ----------
+        pairs : mapping of (str, str) to Correspondences
+            Cameras (a, b) -> their matches, pooled over clear frames. The aligner is asked twice: first with
+            distinctive points, of which those in the surgical field weigh 1, those outside about 0.01; then with a grid
+            of points all over the field, which weigh 0.3 to 1.
+        sizes : mapping of str to (int, int)
+            Every camera's full width and height.
+        reference : str
+            The camera whose perspective is kept, one of ``sizes``.
+
+        Returns
+        -------
+        Alignment
+            One homography per camera that can be tied in, the others as weak with a reason.
         """
         ...

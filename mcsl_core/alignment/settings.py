@@ -11,13 +11,36 @@ from .joint import AlignmentSettings
 
 @frozen
 class SolveSettings:
-    """scene_width: columns of a scene. dense_width: of the scene in which spots are compared; typical_width: of the
-    typical picture. dense_moments, typical_moments: how many moments each looks at.
+    """How a pose is solved.
 
-    drape_weight: how much a match outside the field counts against one inside: the drapes' area is ten times the
-    field's and lies centimetres below it. With 0.1 the error over the field was 1.10 to 1.43 times the best plane's on
-    a tuning recording, with 0.01 it was 1.05 to 1.29; with none a field without texture would not be tied at all.
-    least_shown: share of the new field that an old perspective must show to be kept.
+    Attributes
+    ----------
+    scene_width : int
+        Columns of the aligned pictures that the detectors get.
+    dense_width : int
+        Columns of the aligned pictures that are matched densely.
+    typical_width : int
+        Columns of the modal picture, which shows where the field lies.
+    dense_moments : int
+        How many samples are matched densely.
+    typical_moments : int
+        How many samples the modal picture is made of.
+    drape_weight : float
+        How much a match outside the field counts against one inside, 0..1: the drapes' area is ten times the field's
+        and lies centimetres below it. With 0.1 the error over the field was 1.10 to 1.43 times the best plane's on a
+        tuning recording, with 0.01 it was 1.05 to 1.29; with none a field without texture would not be tied at all.
+    least_shown : float
+        Share of the new field that an old perspective must show to be kept, 0..1.
+    clear : ClearFrames
+        Which samples points are matched in.
+    dense : DenseSettings
+        Of dense matching.
+    alignment : AlignmentSettings
+        Of the fits of camera pairs.
+
+    Notes
+    -----
+    The EDL keeps all of these under their names: no field is renamed.
     """
 
     scene_width: int = field(default=480)

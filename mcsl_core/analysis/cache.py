@@ -138,13 +138,13 @@ def _unpack_detection(arrays: Arrays) -> Detection:
 
 
 def _pack_poses(solved: Sequence[SolvedPose]) -> dict[str, NDArray]:
-    """Without the evidence: that is for anchoring, which is done."""
-    scenes = [[s.scene.size, s.scene.reference, s.scene.camera_sizes] for s in solved]
+    """Without the observations: they are for anchoring, which is done."""
+    scenes = [[s.aligned.size, s.aligned.reference, s.aligned.camera_sizes] for s in solved]
     return {
         "poses": _text([_converter.unstructure(s.pose, Pose) for s in solved]),
         "scenes": _text(scenes),
-        "moments": _text([list(map(int, s.moments)) for s in solved]),
-        **{f"field{i}": np.packbits(s.scene.field) for i, s in enumerate(solved)},
+        "moments": _text([list(map(int, s.samples)) for s in solved]),
+        **{f"field{i}": np.packbits(s.aligned.field) for i, s in enumerate(solved)},
     }
 
 

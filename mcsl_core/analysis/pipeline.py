@@ -14,10 +14,10 @@ import numpy as np
 from mcsl_core import __version__, edl
 from mcsl_core.alignment.anchoring import anchor
 from mcsl_core.alignment.observations import SolvedPose
-from mcsl_core.alignment.pose_solver import solve_pose
+from mcsl_core.alignment.pose_solver import PoseSolver
 from mcsl_core.centering.field import field_middle
 from mcsl_core.centering.gaze import Gaze, fixations, read_gaze
-from mcsl_core.centering.protocol import FieldPlace
+from mcsl_core.centering.protocol import FieldPosition
 from mcsl_core.edl.edits import carry_over
 from mcsl_core.edl.placement import placement_matrix
 from mcsl_core.errors import UsageError
@@ -37,6 +37,7 @@ from mcsl_core.sync.synchronise import synchronise
 from mcsl_core.timing import FrameRange
 
 from .cache import CLOCKS, CUTS, DETECTION, POSES, SCORES, StageCache, code_digest, identity, key_of
+from .measurements import Measurements
 from .settings import AnalysisSettings
 
 
@@ -103,7 +104,7 @@ def analyse(
     places = gaze_places(looks, made) if settings.gaze else [_field_place(s, made.size) for s in solved]
     keys = chosen["centerer"].checked.centre(places, size=made.size, rate=float(rate))
     made = attrs.evolve(made, centering=tuple(keys))
-    table.save(scores_path)
+    Measurements(table, detection.curve).save(scores_path)
     edl.save(made, out)
     return made
 
@@ -138,10 +139,12 @@ def _looked_into(
 
         @lru_cache
         def pieces() -> tuple[ScoringSegment, ...]:
-            return scoring_segments(samples(), solved, detection.movements, chosen["occlusion"])
+            return scoring_segments(samples(), solved, detection.movements, chosen["occlusion"].checked)
 
         def refined() -> tuple[int, ...]:
-            return refine_switches(shots, footage, pieces(), detection.movements, progress)
+            return refine_switches(
+                shots, footage, pieces(), detection.movements, progress, min_shot_s=selector.min_shot_s
+            )
 
         moves = key_of(key, identity(chosen["movement"]))
         detection = cache.remember("movements", moves, moved, DETECTION)
@@ -149,9 +152,11 @@ def _looked_into(
         solved = cache.remember("poses", poses, posed, POSES)
         scores = key_of(poses, identity(chosen["occlusion"]))
         table = cache.remember("scores", scores, scored, SCORES)
-        shots = chosen["selector"].checked.select(table, frames=footage.frames, rate=footage.rate)
-        cuts = cache.remember("cuts", key_of(scores, [(s.range.start, s.camera) for s in shots]), refined, CUTS)
-    return detection, solved, attrs.evolve(table, movement=detection.curve), with_switches_at(shots, cuts)
+        selector = chosen["selector"].checked
+        shots = selector.select(table, frames=footage.frames, rate=footage.rate)
+        switches = key_of(scores, [(s.range.start, s.camera) for s in shots], selector.min_shot_s)
+        cuts = cache.remember("cuts", switches, refined, CUTS)
+    return detection, solved, table, with_switches_at(shots, cuts)
 
 
 @contextmanager
@@ -196,32 +201,24 @@ def _solve(
     """Every pose in order, each anchored to those before."""
     sizes = {c.name: c.size for c in footage.cameras}
     matcher = chosen["matcher"].checked
+    solver = PoseSolver(sizes, reference, matcher, chosen["aligner"].checked, settings.solve)
     solved: list[SolvedPose] = []
     pieces = pose_ranges(movements, footage.frames)
     progress.stage("Aligning the views", len(pieces), "poses")
     for piece in pieces:
-        pose = solve_pose(
-            piece,
-            samples.standing(piece, movements) or samples.within(piece),
-            samples,
-            sizes,
-            reference=reference,
-            matcher=matcher,
-            aligner=chosen["aligner"].checked,
-            settings=settings.solve,
-            progress=progress,
-        )
+        standing = samples.standing(piece, movements) or samples.within(piece)
+        pose = solver.solve(piece, standing, samples, progress)
         solved.append(anchor(pose, solved, samples, matcher=matcher, settings=settings.solve, progress=progress))
         progress.advance(len(solved))
     return solved
 
 
-def _field_place(solved: SolvedPose, size: tuple[int, int]) -> FieldPlace:
-    to_programme = np.array(solved.pose.anchor) @ scaling(solved.scene.size, size)
-    return FieldPlace(solved.pose.range, field_middle(solved.scene.field, to_programme))
+def _field_place(solved: SolvedPose, size: tuple[int, int]) -> FieldPosition:
+    to_programme = np.array(solved.pose.anchor) @ scaling(solved.aligned.size, size)
+    return FieldPosition(solved.pose.range, field_middle(solved.aligned.field, to_programme))
 
 
-def gaze_places(looks: Sequence[Gaze], made: edl.Edl) -> list[FieldPlace]:
+def gaze_places(looks: Sequence[Gaze], made: edl.Edl) -> list[FieldPosition]:
     """Where viewers looked, in the programme of ``made``: what is centred in place of the field."""
 
     def place(frame: int, camera: str) -> np.ndarray | None:
@@ -229,7 +226,7 @@ def gaze_places(looks: Sequence[Gaze], made: edl.Edl) -> list[FieldPlace]:
         return None if matrix is None else np.array(matrix)
 
     found = fixations(looks, place, frames=made.frames, size=made.size, rate=float(made.rate))
-    return [FieldPlace(piece, middle) for piece, middle in found]
+    return [FieldPosition(piece, middle) for piece, middle in found]
 
 
 def _settings_json(settings: AnalysisSettings) -> dict[str, object]:

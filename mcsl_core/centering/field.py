@@ -1,11 +1,12 @@
 """Shifting the surgical field to the middle of the programme picture: a few keys, linear between them.
 
-Offsets (dx, dy) are in programme pixels: a pixel that the anchor places at p is shown at p + (dx, dy).
+Offsets (dx, dy) are in programme pixels: a pixel that the anchor lays at p is shown at p + (dx, dy).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from math import ceil
 
 import numpy as np
@@ -16,31 +17,34 @@ from mcsl_core.edl import CenteringKey
 from mcsl_core.edl.resolve import ACCELERATION, EASE_S
 from mcsl_core.timing import FrameRange
 
-from .protocol import FieldPlace
+from .protocol import FieldPosition
 
-_PIECES = 8  # straight pieces of one move: half of them speed up by equal steps, half slow down
+_PARTS = 8  # straight parts of one move: half of them speed up by equal steps, half slow down
 _DIGITS, _SLACK_PX = 3, 0.04  # of the keys; what rounding them may add to a change of speed, as so much more way
-
-
-def field_middle(mask: NDArray[np.bool_], scene_to_programme: NDArray[np.float64]) -> tuple[float, float] | None:
-    """The median point of the field in programme pixels; None for an empty mask. ``mask``: (H, W) in scene pixels."""
-    rows, columns = np.nonzero(mask)
-    if not len(rows):
-        return None
-    x, y, w = scene_to_programme @ np.array([np.median(columns), np.median(rows), 1.0])
-    return float(x / w), float(y / w)
 
 
 @frozen
 class FieldCenterer:
     """Brings the middle of the field near the middle of the picture, and moves as seldom and as little as that takes.
 
-    A field within ``near`` of the middle stays where it is; one further off is brought to that distance. From one
-    stretch to the next the picture glides, its speed never changing by more than `ACCELERATION` of the width from one
-    frame to the next; a stretch too short for that keeps the offset of its neighbours.
+    Attributes
+    ----------
+    near : float
+        A field within this share of the picture's width and height of the middle stays where it is; one further off is
+        brought to that distance.
+    most : float
+        A shift never takes more than this share of either, so that the picture does not run out.
+    ease_s : float
+        Seconds that a move takes at least.
 
-    near, most: shares of the picture's width and height; a shift never takes more than ``most``, so that the view does
-    not run out. ease_s: seconds that a move takes at least.
+    Notes
+    -----
+    From one range to the next the picture glides, its speed never changing by more than `ACCELERATION` of the width
+    from one frame to the next; a range too short for that keeps the offset of its neighbours.
+
+    References
+    ----------
+    The paper's section "Centering Surgical Field", which shifts every frame by gaze; keys are ours.
     """
 
     near: float = field(default=0.05)
@@ -48,71 +52,106 @@ class FieldCenterer:
     ease_s: float = field(default=EASE_S)
     name = "field"
 
-    def centre(self, places: Sequence[FieldPlace], *, size: tuple[int, int], rate: float) -> tuple[CenteringKey, ...]:
-        """Keys with rising frames; none where no stretch shows a field. ``size``: programme (width, height)."""
-        held = [(place.range, self._offset(place.middle, size)) for place in places if place.middle is not None]
-        held = [(piece, offset) for i, (piece, offset) in enumerate(held) if not i or offset != held[i - 1][1]]
-        while held:
-            moves = [_move(a, b, size[0], self.ease_s * rate) for a, b in zip(held, held[1:], strict=False)]
-            late = next((i for i, move in enumerate(moves) if not _fits(i, moves, held)), None)
+    def centre(
+        self, positions: Sequence[FieldPosition], *, size: tuple[int, int], rate: float
+    ) -> tuple[CenteringKey, ...]:
+        """Chooses the keys of the shift; see `Centerer.centre`. None where no range shows a field."""
+        holds = [_Hold(p.range, self._offset(p.middle, size)) for p in positions if p.middle is not None]
+        holds = _without_repeats(holds)
+        while holds:
+            moves = [_move(before, after, size[0], self.ease_s * rate) for before, after in pairwise(holds)]
+            late = next((i for i in range(len(moves)) if not _fits(i, moves, holds)), None)
             if late is None:
-                return _keys(held, moves)
-            # The shorter of the two stretches that the move lies between gives way.
-            gone = min(late, late + 1, key=lambda i: _length(i, held))
-            del held[gone]
-            held = [(piece, offset) for i, (piece, offset) in enumerate(held) if not i or offset != held[i - 1][1]]
+                return _keys(holds, moves)
+            # The shorter of the two ranges that the move lies between gives way.
+            del holds[min(late, late + 1, key=lambda i: _length(i, holds))]
+            holds = _without_repeats(holds)
         return ()
 
     def _offset(self, middle: tuple[float, float], size: tuple[int, int]) -> tuple[float, float]:
-        dx, dy = (self._shift((extent - 1) / 2 - at, extent) for extent, at in zip(size, middle, strict=True))
-        return dx, dy
+        x, y = middle
+        width, height = size
+        return self._shift((width - 1) / 2 - x, width), self._shift((height - 1) / 2 - y, height)
 
     def _shift(self, away: float, extent: int) -> float:
         beyond = max(0.0, abs(away) - self.near * extent)
-        # Even whole pixels: a picture that lies in place otherwise is then moved, not resampled, and keeps every bit.
+        # Even whole pixels: a picture that lies as it is otherwise is then moved, not resampled, and keeps every bit.
         return float(np.sign(away) * (min(beyond, self.most * extent) // 2 * 2)) + 0.0  # no -0
 
 
-Held = tuple[FrameRange, tuple[float, float]]
+def field_middle(mask: NDArray[np.bool_], to_programme: NDArray[np.float64]) -> tuple[float, float] | None:
+    """The middle of the field in the programme.
 
+    Parameters
+    ----------
+    mask : (H, W) bool array
+        The field in aligned pixels.
+    to_programme : (3, 3) array
+        Aligned pixel -> programme pixel.
 
-def _length(index: int, held: Sequence[Held]) -> int:
-    """Frames until the next stretch begins."""
-    stop = held[index + 1][0].start if index + 1 < len(held) else held[index][0].stop
-    return stop - held[index][0].start
-
-
-def _move(before: Held, after: Held, width: int, least: float) -> tuple[int, int]:
-    """First and last frame of the move between two stretches, about the frame at which the second begins.
-
-    With _PIECES pieces of n frames the speed changes by 4 / _PIECES**2 of the way over n frames each time.
+    Returns
+    -------
+    (float, float) or None
+        (x, y) of its median point in programme pixels; None for an empty mask.
     """
-    way = max(abs(a - b) for a, b in zip(before[1], after[1], strict=True)) + _SLACK_PX
-    frames = max(ceil(least / _PIECES), ceil(4 * way / _PIECES**2 / (ACCELERATION * width)), 1)
-    start = after[0].start - frames * _PIECES // 2
-    return start, start + frames * _PIECES
+    rows, columns = np.nonzero(mask)
+    if not len(rows):
+        return None
+    x, y, w = to_programme @ np.array([np.median(columns), np.median(rows), 1.0])
+    return float(x / w), float(y / w)
 
 
-def _fits(index: int, moves: Sequence[tuple[int, int]], held: Sequence[Held]) -> bool:
-    first = moves[index - 1][1] if index else held[0][0].start
-    return moves[index][0] >= first and moves[index][1] < held[-1][0].stop
+@frozen
+class _Hold:
+    """A range over which the offset stays."""
+
+    range: FrameRange
+    offset: tuple[float, float]
 
 
-def _keys(held: Sequence[Held], moves: Sequence[tuple[int, int]]) -> tuple[CenteringKey, ...]:
+def _without_repeats(holds: Sequence[_Hold]) -> list[_Hold]:
+    """Without those whose offset is that of the one before."""
+    return [hold for i, hold in enumerate(holds) if i == 0 or hold.offset != holds[i - 1].offset]
+
+
+def _length(index: int, holds: Sequence[_Hold]) -> int:
+    """Frames until the next hold begins."""
+    stop = holds[index + 1].range.start if index + 1 < len(holds) else holds[index].range.stop
+    return stop - holds[index].range.start
+
+
+def _move(before: _Hold, after: _Hold, width: int, least: float) -> tuple[int, int]:
+    """First and last frame of the move between two holds, about the frame at which the second begins.
+
+    With _PARTS parts of n frames the speed changes by 4 / _PARTS**2 of the way over n frames each time.
+    """
+    way = max(abs(a - b) for a, b in zip(before.offset, after.offset, strict=True)) + _SLACK_PX
+    frames = max(ceil(least / _PARTS), ceil(4 * way / _PARTS**2 / (ACCELERATION * width)), 1)
+    start = after.range.start - frames * _PARTS // 2
+    return start, start + frames * _PARTS
+
+
+def _fits(index: int, moves: Sequence[tuple[int, int]], holds: Sequence[_Hold]) -> bool:
+    """Whether a move begins after the one before has ended, and ends within the programme."""
+    start, stop = moves[index]
+    free_from = moves[index - 1][1] if index else holds[0].range.start
+    return start >= free_from and stop < holds[-1].range.stop
+
+
+def _keys(holds: Sequence[_Hold], moves: Sequence[tuple[int, int]]) -> tuple[CenteringKey, ...]:
     if not moves:
-        return ((held[0][0].start, *held[0][1]),)
+        return ((holds[0].range.start, *holds[0].offset),)
     keys: dict[int, tuple[float, float]] = {}
-    for (_, a), (_, b), (start, stop) in zip(held, held[1:], moves, strict=False):
-        for piece in range(_PIECES + 1):
-            way = _way(piece)
-            keys[start + (stop - start) * piece // _PIECES] = (
-                round(a[0] + way * (b[0] - a[0]), _DIGITS),
-                round(a[1] + way * (b[1] - a[1]), _DIGITS),
-            )
+    for (before, after), (start, stop) in zip(pairwise(holds), moves, strict=True):
+        (x, y), (to_x, to_y) = before.offset, after.offset
+        for part in range(_PARTS + 1):
+            way = _way(part)
+            offset = round(x + way * (to_x - x), _DIGITS), round(y + way * (to_y - y), _DIGITS)
+            keys[start + (stop - start) * part // _PARTS] = offset
     return tuple((frame, *keys[frame]) for frame in sorted(keys))
 
 
-def _way(piece: int) -> float:
-    """Share of the way after ``piece`` of the pieces: speeds 1, 3, 5, 7, 7, 5, 3, 1 and so on."""
-    half = _PIECES // 2
-    return piece**2 / (2 * half**2) if piece <= half else 1 - (_PIECES - piece) ** 2 / (2 * half**2)
+def _way(part: int) -> float:
+    """Share of the way after ``part`` of the parts: speeds 1, 3, 5, 7, 7, 5, 3, 1 and so on."""
+    half = _PARTS // 2
+    return part**2 / (2 * half**2) if part <= half else 1 - (_PARTS - part) ** 2 / (2 * half**2)

@@ -1,4 +1,4 @@
-"""Where viewers looked: recorded by eye trackers, told as stretches in which the eyes rest on one place.
+"""Gaze: where viewers looked, recorded by eye trackers, and the fixations in it, over which the eyes rest on one point.
 
 A file is CSV with a header line. Columns: ``frame`` (programme frames) or ``time`` (programme seconds); ``x`` and ``y``
 in pixels of the programme without centering, or of the camera named in a column ``camera``; ``observer``, where there
@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import csv
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -19,16 +20,29 @@ from numpy.typing import NDArray
 from mcsl_core.errors import DocumentError, InputError
 from mcsl_core.timing import FrameRange
 
-Placed = Callable[[int, str], NDArray[np.float64] | None]  # frame, camera -> camera pixel to programme pixel, or None
+# Frame, camera -> (3, 3), camera pixel to programme pixel; None where it is not known.
+ToProgramme = Callable[[int, str], NDArray[np.float64] | None]
 
-WINDOW_S = 2.0  # over which one observer's eyes are taken together: a few fixations
+WINDOW_S = 2.0  # over which one observer's eyes are taken together: they come to rest a few times in it
 REST_S = 6.0  # eyes that are back sooner have not moved on
-APART = 0.06  # share of the picture's width from which on it is another place
+APART = 0.06  # share of the picture's width from which on it is another point
 
 
 @frozen
 class Gaze:
-    """One look: programme frame, observer, and pixel of the programme, or of ``camera`` where one is named."""
+    """One sample of an eye tracker.
+
+    Attributes
+    ----------
+    frame : float
+        Programme frame, not rounded.
+    observer : str
+        Whose eyes.
+    x, y : float
+        Pixel of the programme without centering, or of ``camera``.
+    camera : str, optional
+        The camera whose picture the observer was shown.
+    """
 
     frame: float
     observer: str
@@ -38,15 +52,107 @@ class Gaze:
 
 
 def read_gaze(paths: Sequence[Path], *, rate: float, cameras: Sequence[str]) -> tuple[Gaze, ...]:
-    """All looks of all files. InputError for a file that is missing, DocumentError with the line that is wrong."""
-    looks: list[Gaze] = []
+    """Reads files of gaze.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        CSV files; see the module's description.
+    rate : float
+        Programme frames per second, for files by time.
+    cameras : sequence of str
+        The names that a column ``camera`` may hold.
+
+    Returns
+    -------
+    tuple of Gaze
+        All lines of all files, without blinks.
+
+    Raises
+    ------
+    InputError
+        Where a file is missing or is no text.
+    DocumentError
+        Where a line is wrong; it names the line.
+    """
+    gaze: list[Gaze] = []
     for path in paths:
         try:
             with path.open(newline="", encoding="utf-8-sig") as stream:
-                looks += _read(csv.DictReader(stream), path, rate, set(cameras))
+                gaze += _read(csv.DictReader(stream), path, rate, set(cameras))
         except (OSError, UnicodeDecodeError) as error:
             raise InputError(f"cannot be read as a file of gaze ({error})", where=str(path)) from error
-    return tuple(looks)
+    return tuple(gaze)
+
+
+def fixations(
+    gaze: Sequence[Gaze], to_programme: ToProgramme, *, frames: int, size: tuple[int, int], rate: float
+) -> list[tuple[FrameRange, tuple[float, float]]]:
+    """The points that the eyes rest on.
+
+    Parameters
+    ----------
+    gaze : sequence of Gaze
+        In any order; outside of the programme it does not count.
+    to_programme : callable
+        How a camera's picture lies in the programme at a frame; see `ToProgramme`.
+    frames : int
+        Length of the programme.
+    size : (int, int)
+        Its width and height.
+    rate : float
+        Its frames per second.
+
+    Returns
+    -------
+    list of (FrameRange, (float, float))
+        Ranges that tile [0, ``frames``) and the programme pixel (x, y) looked at in each; empty without any gaze.
+
+    Notes
+    -----
+    Of each two seconds, each observer's median, and of those the mean over the observers; where nobody's eyes were
+    recorded, what was last looked at. A new fixation begins where the eyes stay away from the one before by ``APART``
+    of the width for ``REST_S``: eyes that wander to an instrument and back do not move the picture.
+
+    References
+    ----------
+    The paper's section "Centering Surgical Field": the average of five observers' gaze in every frame.
+    """
+    step = WINDOW_S * rate
+    means = _window_means(gaze, to_programme, frames, step)
+    found: list[_Fixation] = []
+    astray: list[tuple[int, NDArray[np.float64]]] = []
+    for number in sorted(means):
+        if not found:
+            found.append(_Fixation(0, [means[number]]))
+            continue
+        if np.linalg.norm(means[number] - found[-1].point) <= APART * size[0]:
+            found[-1].means.append(means[number])
+            astray = []
+            continue
+        astray.append((number, means[number]))
+        first, _ = astray[0]
+        if (number + 1 - first) * WINDOW_S >= REST_S:
+            found.append(_Fixation(first, [mean for _, mean in astray]))
+            astray = []
+    starts = [round(fixation.window * step) for fixation in found] + [frames]
+    rested = []
+    for fixation, (start, stop) in zip(found, pairwise(starts), strict=True):
+        x, y = fixation.point
+        rested.append((FrameRange(start, stop), (float(x), float(y))))
+    return rested
+
+
+@frozen(eq=False)
+class _Fixation:
+    """window: number of the window it begins with. means: (2,) each, of its windows."""
+
+    window: int
+    means: list[NDArray[np.float64]]
+
+    @property
+    def point(self) -> NDArray[np.float64]:
+        return np.median(self.means, axis=0)
 
 
 def _read(lines: csv.DictReader[str], path: Path, rate: float, cameras: set[str]) -> Iterable[Gaze]:
@@ -75,55 +181,27 @@ def _read(lines: csv.DictReader[str], path: Path, rate: float, cameras: set[str]
         yield Gaze(frame, line.get("observer") or path.name, x, y, camera)
 
 
-def fixations(
-    looks: Sequence[Gaze], placed: Placed, *, frames: int, size: tuple[int, int], rate: float
-) -> list[tuple[FrameRange, tuple[float, float]]]:
-    """Stretches that tile [0, frames) and the programme pixel (x, y) looked at in each; none without any look.
-
-    Of each two seconds, each observer's median, and of those the mean over the observers, as in the paper; where
-    nobody's eyes were recorded, what was last looked at. A new place is one that lies ``APART`` of the width from
-    the one before for ``REST_S``: eyes that wander to an instrument and back do not move the picture.
-    """
-    step = WINDOW_S * rate
+def _window_means(
+    gaze: Sequence[Gaze], to_programme: ToProgramme, frames: int, step: float
+) -> Mapping[int, NDArray[np.float64]]:
+    """Number of the window of ``step`` frames -> (2,) the mean of the observers' medians."""
     windows: dict[int, dict[str, list[tuple[float, float]]]] = defaultdict(lambda: defaultdict(list))
-    for look in looks:
-        point = _in_programme(look, placed) if 0 <= look.frame < frames else None
+    for sample in gaze:
+        point = _in_programme(sample, to_programme) if 0 <= sample.frame < frames else None
         if point is not None:
-            windows[int(look.frame // step)][look.observer].append(point)
-    means = {
+            windows[int(sample.frame // step)][sample.observer].append(point)
+    return {
         number: np.mean([np.median(points, axis=0) for points in observers.values()], axis=0)
         for number, observers in windows.items()
     }
-    places: list[tuple[int, list[NDArray[np.float64]]]] = []
-    astray: list[tuple[int, NDArray[np.float64]]] = []
-    for number in sorted(means):
-        if not places:
-            places.append((0, [means[number]]))
-            continue
-        resting = np.median(places[-1][1], axis=0)
-        if np.linalg.norm(means[number] - resting) <= APART * size[0]:
-            places[-1][1].append(means[number])
-            astray = []
-            continue
-        astray.append((number, means[number]))
-        if (number + 1 - astray[0][0]) * WINDOW_S >= REST_S:
-            places.append((astray[0][0], [mean for _, mean in astray]))
-            astray = []
-    starts = [round(start * step) for start, _ in places] + [frames]
-    return [
-        (FrameRange(a, b), (float(x), float(y)))
-        for (a, b), (x, y) in zip(
-            zip(starts, starts[1:], strict=False), (np.median(means, axis=0) for _, means in places), strict=True
-        )
-    ]
 
 
-def _in_programme(look: Gaze, placed: Placed) -> tuple[float, float] | None:
-    """The programme pixel looked at; None where the camera's place is not known then."""
-    if look.camera is None:
-        return look.x, look.y
-    matrix = placed(int(look.frame), look.camera)
+def _in_programme(sample: Gaze, to_programme: ToProgramme) -> tuple[float, float] | None:
+    """The programme pixel looked at; None where it is not known how the camera lies then."""
+    if sample.camera is None:
+        return sample.x, sample.y
+    matrix = to_programme(int(sample.frame), sample.camera)
     if matrix is None:
         return None
-    x, y, w = matrix @ (look.x, look.y, 1.0)
+    x, y, w = matrix @ (sample.x, sample.y, 1.0)
     return float(x / w), float(y / w)

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView
 from mcsl_core.alignment.correspondences import Correspondences
 from mcsl_core.alignment.protocol import Alignment, Features
-from mcsl_core.centering.protocol import FieldPlace
+from mcsl_core.centering.protocol import FieldPosition
 from mcsl_core.edl import CenteringKey, Movement, Shot, Weak
 from mcsl_core.errors import Cancelled, McslError, PluginError
 from mcsl_core.filling.protocol import FillContext
@@ -31,6 +31,7 @@ from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.progress import Progress
 from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.sample_store import SampleStore
+from mcsl_core.selection.protocol import MIN_SHOT_S
 from mcsl_core.timing import check_tiles
 
 from .stages import STAGES
@@ -204,10 +205,10 @@ class AlignerGuard(Guard):
 
 
 @frozen(eq=False)
-class _Moments(Sequence[Sequence[AlignedView]]):
-    """Moments whose views cannot be written to; a slice of them is read only when it is asked for."""
+class _Samples(Sequence[Sequence[AlignedView]]):
+    """Samples whose views cannot be written to; a slice of them is read only when it is asked for."""
 
-    moments: Sequence[Sequence[AlignedView]]
+    samples: Sequence[Sequence[AlignedView]]
     positions: range
 
     def __len__(self) -> int:
@@ -215,7 +216,7 @@ class _Moments(Sequence[Sequence[AlignedView]]):
 
     def __getitem__(self, at):  # pyright: ignore[reportIncompatibleMethodOverride]
         found = self.positions[at]
-        return _Moments(self.moments, found) if isinstance(found, range) else read_only(tuple(self.moments[found]))
+        return _Samples(self.samples, found) if isinstance(found, range) else read_only(tuple(self.samples[found]))
 
 
 @frozen(eq=False)
@@ -234,13 +235,21 @@ class ScorerGuard:
 
 
 class OcclusionGuard(Guard):
-    def scorer(self, scene: AlignedPose, moments: Sequence[Sequence[AlignedView]]) -> ScorerGuard:
-        scorer = self.call("scorer", read_only(scene), _Moments(moments, range(len(moments))))
+    def scorer(self, aligned: AlignedPose, samples: Sequence[Sequence[AlignedView]]) -> ScorerGuard:
+        scorer = self.call("scorer", read_only(aligned), _Samples(samples, range(len(samples))))
         self.need(callable(getattr(scorer, "score", None)), f"scorer gave {_told(scorer)}, which has no score")
         return ScorerGuard(self, scorer)
 
 
 class SelectorGuard(Guard):
+    @property
+    def min_shot_s(self) -> float:
+        """The minimum shot length that the selector promises, in seconds; `MIN_SHOT_S` where it promises none."""
+        promised = getattr(self.does, "min_shot_s", MIN_SHOT_S)
+        good = _number(promised) and promised >= 0
+        self.need(good, f"min_shot_s is {_told(promised)}, expected seconds of 0 or more")
+        return float(promised)
+
     def select(self, table: ScoreTable, *, frames: int, rate: Fraction) -> tuple[Shot, ...]:
         shots = self.call("select", read_only(table), frames=frames, rate=rate)
         self.need_kind("select", shots, Sequence)
@@ -256,10 +265,12 @@ class SelectorGuard(Guard):
 
 
 class CentererGuard(Guard):
-    def centre(self, places: Sequence[FieldPlace], *, size: tuple[int, int], rate: float) -> tuple[CenteringKey, ...]:
-        keys = self.call("centre", tuple(places), size=size, rate=rate)
+    def centre(
+        self, positions: Sequence[FieldPosition], *, size: tuple[int, int], rate: float
+    ) -> tuple[CenteringKey, ...]:
+        keys = self.call("centre", tuple(positions), size=size, rate=rate)
         self.need_kind("centre", keys, Sequence)
-        frames = max((p.range.stop for p in places), default=0)
+        frames = max((p.range.stop for p in positions), default=0)
         made: list[CenteringKey] = []
         for key in keys:
             good = isinstance(key, Sequence) and len(key) == 3 and all(_number(value) for value in key)

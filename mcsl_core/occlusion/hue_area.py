@@ -15,24 +15,36 @@ from mcsl_core.imaging.masks import Mask, hue_mask
 class HueArea:
     """The paper's kind of score: the share of the field's pixels that have the field's hue in that view.
 
+    Notes
+    -----
     Blind to what has the field's own colour (a bare hand, a face); see `consensus` for the one that is not.
+
+    References
+    ----------
+    The paper's section "Occlusion-Free Frame Detection": S_t, the area of the surgical field, told by its hue.
     """
 
     name = "hue-area"
 
-    def scorer(self, scene: AlignedPose, moments: Sequence[Sequence[AlignedView]]) -> HueScorer:
-        """A scorer for a pose; ``moments`` are not needed."""
-        return HueScorer(scene.field)
+    def scorer(self, aligned: AlignedPose, samples: Sequence[Sequence[AlignedView]]) -> HueScorer:
+        """Makes a scorer for a pose; see `OcclusionDetector.scorer`. ``samples`` are not needed."""
+        return HueScorer(aligned.field)
 
 
 @frozen(eq=False)
 class HueScorer:
-    """Scores the moments of one pose."""
+    """Scores the views of one pose.
+
+    Attributes
+    ----------
+    field : (H, W) bool array
+        The surgical field in aligned pixels.
+    """
 
     field: Mask
 
     def score(self, views: Sequence[AlignedView]) -> Mapping[str, float]:
-        """camera -> visible share of the field, 0..1."""
+        """Scores the views of one frame; see `OcclusionScorer.score`."""
         area = max(int(self.field.sum()), 1)
         return {
             view.camera: float(np.count_nonzero((hue_mask(view.aligned) > 0) & self.field & view.inside)) / area

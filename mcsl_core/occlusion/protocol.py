@@ -9,10 +9,21 @@ from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView
 
 
 class OcclusionScorer(Protocol):
-    """Scores the moments of one stretch, in any order."""
+    """Scores the views of one scoring segment, in any order."""
 
     def score(self, views: Sequence[AlignedView]) -> Mapping[str, float]:
-        """camera -> visible share of the surgical field, 0 (hidden) to 1 (clear), for every view handed in."""
+        """Scores the views of one frame.
+
+        Parameters
+        ----------
+        views : sequence of AlignedView
+            What the cameras show at one frame of the segment; not all of them need be there.
+
+        Returns
+        -------
+        mapping of str to float
+            Camera -> visible share of the surgical field, 0 (hidden) to 1 (clear), for every view handed in.
+        """
         ...
 
 
@@ -22,10 +33,20 @@ class OcclusionDetector(Protocol):
     @property
     def name(self) -> str: ...
 
-    def scorer(self, scene: AlignedPose, moments: Sequence[Sequence[AlignedView]]) -> OcclusionScorer:
-        """A scorer for a stretch of a pose, a few minutes at most.
+    def scorer(self, aligned: AlignedPose, samples: Sequence[Sequence[AlignedView]]) -> OcclusionScorer:
+        """Makes a scorer for a segment of a pose, a few minutes at most.
 
-        moments: the views of its samples in order of time, about one a second; each access reads them anew. The scorer
-        is then asked about these moments, and about others of the stretch with only some of the cameras.
+        Parameters
+        ----------
+        aligned : AlignedPose
+            The pose, and where its surgical field lies.
+        samples : sequence of sequence of AlignedView
+            The views of the segment's samples in order of time, about one a second; each access reads them anew. May
+            be empty.
+
+        Returns
+        -------
+        OcclusionScorer
+            It is asked about these samples, and about other frames of the segment with only some of the cameras.
         """
         ...

@@ -2,33 +2,38 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
-from attrs import field, frozen
+from attrs import frozen
 from numpy.typing import NDArray
-
-from mcsl_core.documents import write_atomic
-from mcsl_core.errors import DocumentError
-from mcsl_core.movement.protocol import NO_CURVE, Curve
 
 
 @frozen(eq=False)
 class ScoreTable:
-    """Visible field over time.
+    """Visible field over time, of S samples and C cameras.
 
-    frames: (S,) rising programme frames of the samples. cameras: C names. visible: (S, C) float in 0..1, NaN where
-    there is no data. usable: (S, C) bool, False where no automatic shot may use the camera (weak, or no picture).
-    movement: what movements were judged by.
+    Attributes
+    ----------
+    frames : (S,) int array
+        Programme frames of the samples, rising.
+    cameras : tuple of str
+        Names of the cameras.
+    visible : (S, C) float array
+        Visible share of the surgical field, 0..1; NaN where there is no data.
+    usable : (S, C) bool array
+        False where no automatic shot may use the camera: it is weak, or has no picture.
+
+    Raises
+    ------
+    ValueError
+        Where a shape does not fit, the frames do not rise or a share lies outside of 0..1.
     """
 
     frames: NDArray[np.int64]
     cameras: tuple[str, ...]
     visible: NDArray[np.float64]
     usable: NDArray[np.bool_]
-    movement: Curve = field(default=NO_CURVE)
 
     def __attrs_post_init__(self) -> None:
         shape = (len(self.frames), len(self.cameras))
@@ -41,40 +46,43 @@ class ScoreTable:
             raise ValueError(f"visible must lie in 0..1, got {known.min():.3g}..{known.max():.3g}")
 
     def arrays(self) -> dict[str, NDArray]:
-        """Everything in it, as arrays that .npz files take; `from_arrays` is the way back."""
+        """The table as named arrays.
+
+        Returns
+        -------
+        dict of str to array
+            As .npz files take them; `from_arrays` is the way back.
+        """
         return {
             "frames": self.frames,
             "cameras": np.array(self.cameras),
             "visible": self.visible,
             "usable": self.usable,
-            **self.movement.arrays(),
         }
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray]) -> ScoreTable:
-        """KeyError where an array is missing, ValueError where one does not fit."""
+        """The table that `arrays` was made from.
+
+        Parameters
+        ----------
+        arrays : mapping of str to array
+            Others in it are left alone.
+
+        Returns
+        -------
+        ScoreTable
+
+        Raises
+        ------
+        KeyError
+            Where an array is missing.
+        ValueError
+            Where one does not fit.
+        """
         return cls(
             arrays["frames"].astype(np.int64),
             tuple(str(name) for name in arrays["cameras"]),
             arrays["visible"].astype(np.float64),
             arrays["usable"].astype(bool),
-            Curve.from_arrays(arrays),
         )
-
-    def save(self, path: Path) -> None:
-        """Writes a compressed .npz atomically, in single precision; the same table gives the same bytes."""
-        stream = io.BytesIO()
-        single = {name: a.astype(np.float32) if a.dtype == np.float64 else a for name, a in self.arrays().items()}
-        np.savez_compressed(stream, **single)  # pyright: ignore[reportArgumentType]
-        write_atomic(path, stream.getvalue())
-
-
-def load_scores(path: Path) -> ScoreTable:
-    """Reads what `ScoreTable.save` wrote; DocumentError when it is something else."""
-    try:
-        with np.load(path, allow_pickle=False) as data:
-            return ScoreTable.from_arrays(data)
-    except (OSError, KeyError, ValueError) as error:
-        raise DocumentError(
-            f"is not a table of scores ({error})", where=str(path), remedy="Run `mcsl analyse` again"
-        ) from error

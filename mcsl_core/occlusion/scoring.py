@@ -1,4 +1,4 @@
-"""How much of the field every camera shows: the poses in stretches, each with a scorer made from its own moments."""
+"""How much of the field every camera shows: the poses in scoring segments, each with a scorer made from its samples."""
 
 from __future__ import annotations
 
@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView
 from mcsl_core.alignment.observations import SolvedPose
 from mcsl_core.edl import Movement
-from mcsl_core.hooks.registry import Offer
 from mcsl_core.progress import Progress
 from mcsl_core.recording.sample_store import SampleStore
 from mcsl_core.timing import FrameRange
 
-from .protocol import OcclusionScorer
+from .protocol import OcclusionDetector, OcclusionScorer
 from .score_table import ScoreTable
 
 # Samples that one scorer is made from. The field changes in a long pose: it bleeds, it is opened further; in three
@@ -27,74 +26,130 @@ SEGMENT_SAMPLES = 180
 
 @frozen(eq=False)
 class SegmentSamples(Sequence[tuple[AlignedView, ...]]):
-    """The views of some samples, read when they are asked for."""
+    """The views of some samples, read when they are asked for.
 
-    samples: SampleStore
-    scene: AlignedPose
+    Attributes
+    ----------
+    store : SampleStore
+        What they are read from.
+    aligned : AlignedPose
+        The pose they are laid into.
+    positions : (N,) int array
+        Their positions in ``store``.
+    """
+
+    store: SampleStore
+    aligned: AlignedPose
     positions: NDArray[np.int64]
 
     def __len__(self) -> int:
         return len(self.positions)
 
     def __getitem__(self, at):  # pyright: ignore[reportIncompatibleMethodOverride]
-        return self.scene.views(self.samples[int(self.positions[at])].pictures)
+        return self.aligned.views(self.store[int(self.positions[at])].pictures)
 
 
 @frozen(eq=False)
 class ScoringSegment:
-    """Part of a pose in which the lamp stands still, and what scores its moments: those of samples and any other."""
+    """Part of a pose in which the lamp stands still, and what scores its frames: those of samples and any other.
+
+    Attributes
+    ----------
+    range : FrameRange
+        Its programme frames.
+    samples : SegmentSamples
+        The views that its scorer is made from.
+    detector : OcclusionDetector
+        What makes the scorer.
+    """
 
     range: FrameRange
-    moments: SegmentSamples
-    detector: Offer
+    samples: SegmentSamples
+    detector: OcclusionDetector
 
     @cached_property
     def scorer(self) -> OcclusionScorer:
-        """Made at first use: where all scores are in the cache, only around switches."""
-        return self.detector.checked.scorer(self.moments.scene, self.moments)
+        """The segment's scorer, made at first use: where all scores are in the cache, only around switches."""
+        return self.detector.scorer(self.samples.aligned, self.samples)
 
     def score(self, views: Sequence[AlignedView]) -> Mapping[str, float]:
-        """camera -> visible share of the field for every view."""
+        """Scores the views of one frame; see `OcclusionScorer.score`."""
         return self.scorer.score(views)
 
 
 def scoring_segments(
-    samples: SampleStore, solved: Sequence[SolvedPose], movements: Sequence[Movement], detector: Offer
+    samples: SampleStore, solved: Sequence[SolvedPose], movements: Sequence[Movement], detector: OcclusionDetector
 ) -> tuple[ScoringSegment, ...]:
-    """Every pose in stretches of about `STRETCH` samples, in order of time."""
-    made = []
+    """Cuts every pose into segments of about `SEGMENT_SAMPLES` samples.
+
+    Parameters
+    ----------
+    samples : SampleStore
+        The recording's samples.
+    solved : sequence of SolvedPose
+        In order of time.
+    movements : sequence of Movement
+        Samples in them belong to no segment.
+    detector : OcclusionDetector
+        What scores.
+
+    Returns
+    -------
+    tuple of ScoringSegment
+        In order of time; those of a pose tile its range. A pose that never stands still has none.
+    """
+    segments = []
     for pose in solved:
         still = samples.standing(pose.pose.range, movements)
         if not still:
             continue
         parts = np.array_split(np.array(still), max(1, round(len(still) / SEGMENT_SAMPLES)))
-        edges = [pose.pose.range.start, *(samples.frames[int(p[0])] for p in parts[1:]), pose.pose.range.stop]
+        edges = [pose.pose.range.start, *(samples.frames[int(part[0])] for part in parts[1:]), pose.pose.range.stop]
         for part, start, stop in zip(parts, edges, edges[1:], strict=False):
-            made.append(ScoringSegment(FrameRange(start, stop), SegmentSamples(samples, pose.scene, part), detector))
-    return tuple(made)
+            views = SegmentSamples(samples, pose.aligned, part)
+            segments.append(ScoringSegment(FrameRange(start, stop), views, detector))
+    return tuple(segments)
 
 
 def score_views(
     samples: SampleStore,
     solved: Sequence[SolvedPose],
-    pieces: Sequence[ScoringSegment],
+    segments: Sequence[ScoringSegment],
     movements: Sequence[Movement],
     progress: Progress,
 ) -> ScoreTable:
-    """The visible field of every camera at every sample; no data while the lamp moves."""
+    """Scores every camera at every sample.
+
+    Parameters
+    ----------
+    samples : SampleStore
+        The recording's samples.
+    solved : sequence of SolvedPose
+        Tiling the programme.
+    segments : sequence of ScoringSegment
+        Those of ``solved``.
+    movements : sequence of Movement
+        In them there is no data.
+    progress : Progress
+        Told of every sample.
+
+    Returns
+    -------
+    ScoreTable
+    """
     progress.stage("Scoring the views", len(samples), "samples")
     visible = np.full((len(samples), len(samples.cameras)), np.nan)
     usable = np.zeros(visible.shape, bool)
     for pose in solved:
         still = set(samples.standing(pose.pose.range, movements))
-        for i in samples.within(pose.pose.range):
-            moment = samples[i]
-            views = pose.scene.views(moment.pictures)
-            piece = None if i not in still else next((p for p in pieces if moment.frame in p.range), None)
-            scores = {} if piece is None else piece.score(views)
+        for position in samples.within(pose.pose.range):
+            sample = samples[position]
+            views = pose.aligned.views(sample.pictures)
+            segment = next((s for s in segments if sample.frame in s.range), None) if position in still else None
+            scores = {} if segment is None else segment.score(views)
             for view in views:
                 column = samples.cameras.index(view.camera)
-                usable[i, column] = True
-                visible[i, column] = scores.get(view.camera, np.nan)
-            progress.advance(i + 1)
+                usable[position, column] = True
+                visible[position, column] = scores.get(view.camera, np.nan)
+            progress.advance(position + 1)
     return ScoreTable(np.array(samples.frames), samples.cameras, visible, usable)

@@ -1,4 +1,4 @@
-"""Which camera the programme shows when: shots that tile the programme, from the table of visible field.
+"""The selectors that come with mcsl: shots that tile the programme, from the table of visible field.
 
 A sample stands for the frames around it: the border between two samples lies halfway between their frames.
 """
@@ -16,13 +16,134 @@ from mcsl_core.errors import InputError, UsageError
 from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.timing import FrameRange
 
+from .protocol import MIN_SHOT_S, least_frames
+
 # Worse than any sum of visible field over a day at 60 frames a second, better than infinity: where every camera
 # is unusable the programme still shows one.
 FORBIDDEN = -1e7
 
 
+@frozen
+class ShortestPath:
+    """Most visible field over the whole programme, with a cost per switch and a hard minimum shot length.
+
+    Attributes
+    ----------
+    min_shot_s : float
+        No shot is shorter, in seconds (but a programme that is shorter itself is one shot).
+    switch_cost_s : float
+        A switch must gain so many seconds of fully visible field.
+
+    Notes
+    -----
+    Exact, by dynamic programming over (sample, camera).
+    """
+
+    min_shot_s: float = field(default=MIN_SHOT_S)
+    switch_cost_s: float = field(default=0.5)
+    name = "shortest-path"
+
+    def select(self, table: ScoreTable, *, frames: int, rate: Fraction) -> tuple[Shot, ...]:
+        """Chooses the shots that are worth most; see `Selector.select`.
+
+        Raises
+        ------
+        InputError
+            Where the table has no sample.
+        """
+        borders = sample_borders(table, frames)
+        value = worth(table, borders)
+        total = np.vstack([np.zeros(value.shape[1]), np.cumsum(value, axis=0)])
+        choice = _best_path(
+            total, borders, least=least_frames(self.min_shot_s, rate), cost=self.switch_cost_s * float(rate)
+        )
+        return shots_from(choice, table, borders, "{visible}{next}")
+
+
+@frozen
+class LeastOccluded:
+    """The camera that sees most at every sample, whatever the number of switches: the paper's greedy choice.
+
+    References
+    ----------
+    The paper's section "Method", the step "Selection".
+    """
+
+    name = "least-occluded"
+
+    def select(self, table: ScoreTable, *, frames: int, rate: Fraction) -> tuple[Shot, ...]:
+        """Chooses the best camera of every sample; see `Selector.select`.
+
+        Raises
+        ------
+        InputError
+            Where the table has no sample.
+
+        Notes
+        -----
+        Of two that see equally much the one on air stays.
+        """
+        borders = sample_borders(table, frames)
+        value = worth(table, borders)
+        choice = np.zeros(len(value), np.int64)
+        current = int(np.argmax(value[0]))
+        for sample, row in enumerate(value):
+            if row[current] < row.max():
+                current = int(np.argmax(row))
+            choice[sample] = current
+        return shots_from(choice, table, borders, "sees most: {visible}{next}")
+
+
+@frozen
+class Fixed:
+    """One camera throughout: the first of the recording, or the one it is made with.
+
+    Attributes
+    ----------
+    camera : str, optional
+        Its name.
+    """
+
+    camera: str | None = field(default=None)
+    name = "fixed"
+
+    def select(self, table: ScoreTable, *, frames: int, rate: Fraction) -> tuple[Shot, ...]:
+        """One shot over the whole programme; see `Selector.select`.
+
+        Raises
+        ------
+        UsageError
+            Where there is no such camera.
+        InputError
+            Where the table has no sample.
+        """
+        camera = self.camera or table.cameras[0]
+        if camera not in table.cameras:
+            raise UsageError(f"there is no camera {camera!r}", remedy=f"Choose one of {', '.join(table.cameras)}")
+        choice = np.full(len(table.frames), table.cameras.index(camera), np.int64)
+        return shots_from(choice, table, sample_borders(table, frames), "the camera asked for")
+
+
 def sample_borders(table: ScoreTable, frames: int) -> NDArray[np.int64]:
-    """(S + 1,) frames: sample i stands for [borders[i], borders[i + 1]); they tile [0, frames)."""
+    """Which frames each sample stands for.
+
+    Parameters
+    ----------
+    table : ScoreTable
+        Of S samples.
+    frames : int
+        Length of the programme.
+
+    Returns
+    -------
+    (S + 1,) int array
+        Sample i stands for the frames [borders[i], borders[i + 1]); they tile [0, ``frames``).
+
+    Raises
+    ------
+    InputError
+        Where there is no sample.
+    """
     if not len(table.frames):
         raise InputError("no picture could be scored", remedy="Check that the recording is longer than one sample")
     middle = (table.frames[:-1] + table.frames[1:] + 1) // 2
@@ -30,8 +151,22 @@ def sample_borders(table: ScoreTable, frames: int) -> NDArray[np.int64]:
 
 
 def worth(table: ScoreTable, borders: NDArray[np.int64]) -> NDArray[np.float64]:
-    """(S, C): visible field times the frames each sample stands for; FORBIDDEN where unusable.
+    """What each sample of each camera is worth: visible field times the frames it stands for.
 
+    Parameters
+    ----------
+    table : ScoreTable
+        Of S samples and C cameras.
+    borders : (S + 1,) int array
+        See `sample_borders`.
+
+    Returns
+    -------
+    (S, C) float array
+        In frames of fully visible field; `FORBIDDEN` times the frames where a camera is not usable.
+
+    Notes
+    -----
     Where there is no data, as while the lamp moves, the line between what was seen before and after stands for it (a
     head is likely to be still there); 0 for a camera without any.
     """
@@ -43,125 +178,81 @@ def worth(table: ScoreTable, borders: NDArray[np.int64]) -> NDArray[np.float64]:
 
 
 def shots_from(choice: NDArray[np.int64], table: ScoreTable, borders: NDArray[np.int64], why: str) -> tuple[Shot, ...]:
-    """Shots from the camera index chosen for every sample; ``why`` may hold {visible} and {next}."""
+    """Shots from the camera chosen for every sample.
+
+    Parameters
+    ----------
+    choice : (S,) int array
+        Index of the camera in ``table.cameras`` for every sample.
+    table : ScoreTable
+        Of S samples.
+    borders : (S + 1,) int array
+        See `sample_borders`.
+    why : str
+        The reason to write to each shot; ``{visible}`` in it becomes what the camera sees over the shot and ``{next}``
+        which other camera sees most.
+
+    Returns
+    -------
+    tuple of Shot
+        Tiling [0, borders[S]); neighbours differ in their camera. A shot's score is the mean visible field, 0..1.
+    """
     starts = np.flatnonzero(np.concatenate([[True], np.diff(choice) != 0]))
     shots = []
     for start, stop in zip(starts, [*starts[1:], len(choice)], strict=True):
         camera = int(choice[start])
         seen = table.visible[start:stop]
         known = seen[:, camera][~np.isnan(seen[:, camera])]
-        score = float(known.mean()) if len(known) else 0.0
-        others = [
-            (float(np.nanmean(seen[:, c])), table.cameras[c])
-            for c in range(len(table.cameras))
-            if c != camera and table.usable[start:stop, c].any() and not np.isnan(seen[:, c]).all()
-        ]
+        score = float(known.mean()) if len(known) else None
+        others = []
+        for other, name in enumerate(table.cameras):
+            if other != camera and table.usable[start:stop, other].any() and not np.isnan(seen[:, other]).all():
+                others.append((float(np.nanmean(seen[:, other])), name))
         best = max(others, default=None)
         text = why.format(
-            visible=f"sees {score:.0%} of the field" if len(known) else "no score in this stretch",
+            visible=f"sees {score:.0%} of the field" if score is not None else "no score in this stretch",
             next=f", next best {best[1]} {best[0]:.0%}" if best else "",
         )
-        shots.append(
-            Shot(FrameRange(int(borders[start]), int(borders[stop])), table.cameras[camera], round(score, 4), text)
-        )
+        span = FrameRange(int(borders[start]), int(borders[stop]))
+        shots.append(Shot(span, table.cameras[camera], round(score or 0.0, 4), text))
     return tuple(shots)
 
 
-@frozen
-class ShortestPath:
-    """Most visible field over the whole programme, with a cost per switch and a hard minimum shot length.
+def _best_path(total: NDArray[np.float64], borders: NDArray[np.int64], *, least: int, cost: float) -> NDArray[np.int64]:
+    """(S,) camera of every sample. ``total``: (S + 1, C) running sums of worth; ``borders``: (S + 1,) frames.
 
-    Exact, by dynamic programming over (sample, camera). min_shot_s: no shot is shorter (but a programme that is
-    shorter itself is one shot). switch_cost_s: a switch must gain this many seconds of fully visible field.
+    best[i, c]: most worth of [0, borders[i]) when a shot of camera c is on air up to there and already long
+    enough to end. It either goes on from best[i - 1, c], or began at a border j that leaves it long enough only
+    now, after a shot of another camera that was itself free to end at j.
     """
-
-    min_shot_s: float = field(default=2.0)
-    switch_cost_s: float = field(default=0.5)
-    name = "shortest-path"
-
-    def select(self, table: ScoreTable, *, frames: int, rate: Fraction) -> tuple[Shot, ...]:
-        """Shots that tile [0, frames)."""
-        borders = sample_borders(table, frames)
-        value = worth(table, borders)
-        total = np.vstack([np.zeros(value.shape[1]), np.cumsum(value, axis=0)])
-        choice = self._best_path(
-            total, borders, min_frames=self.min_shot_s * float(rate), cost=self.switch_cost_s * float(rate)
-        )
-        return shots_from(choice, table, borders, "{visible}{next}")
-
-    @staticmethod
-    def _best_path(
-        total: NDArray[np.float64], borders: NDArray[np.int64], *, min_frames: float, cost: float
-    ) -> NDArray[np.int64]:
-        """(S,) camera of every sample. ``total``: (S + 1, C) running sums of worth; ``borders``: (S + 1,) frames.
-
-        best[i, c]: most worth of [0, borders[i]) when a shot of camera c is on air up to there and already long
-        enough to end. It either goes on from best[i - 1, c], or began at a border j that leaves it long enough only
-        now, after a shot of another camera that was itself free to end at j.
-        """
-        samples, cameras = total.shape[0] - 1, total.shape[1]
-        best = np.full((samples + 1, cameras), -np.inf)
-        began = np.zeros((samples + 1, cameras), np.int64)  # border at which the shot began
-        previous = np.full((samples + 1, cameras), -1, np.int64)  # camera before it, -1 at the programme's start
-        latest = np.searchsorted(borders, borders - min_frames + 1e-9, side="right") - 1
-        for i in range(1, samples + 1):
-            best[i], began[i], previous[i] = best[i - 1], began[i - 1], previous[i - 1]
-            best[i] += total[i] - total[i - 1]
-            for j in range(max(0, int(latest[i - 1]) + 1), int(latest[i]) + 1):  # shots long enough just now
-                if j == 0:
-                    fresh, before = total[i] - total[0], np.full(cameras, -1)
-                elif cameras == 1:
-                    break
-                else:
-                    second, first = np.argsort(best[j], kind="stable")[-2:]
-                    before = np.where(np.arange(cameras) == first, second, first)
-                    fresh = best[j, before] - cost + total[i] - total[j]
-                better = fresh > best[i]
-                best[i] = np.where(better, fresh, best[i])
-                began[i] = np.where(better, j, began[i])
-                previous[i] = np.where(better, before, previous[i])
-        choice = np.zeros(samples, np.int64)
-        if not np.isfinite(best[samples]).any():  # shorter than one shot: a single one
-            choice[:] = int(np.argmax(total[samples]))
-            return choice
-        at, camera = samples, int(np.argmax(best[samples]))
-        while at > 0:
-            start, before = int(began[at, camera]), int(previous[at, camera])
-            choice[start:at] = camera
-            at, camera = start, before
+    samples, cameras = total.shape[0] - 1, total.shape[1]
+    best = np.full((samples + 1, cameras), -np.inf)
+    began = np.zeros((samples + 1, cameras), np.int64)  # border at which the shot began
+    previous = np.full((samples + 1, cameras), -1, np.int64)  # camera before it, -1 at the programme's start
+    latest = np.searchsorted(borders, borders - least, side="right") - 1
+    for i in range(1, samples + 1):
+        best[i], began[i], previous[i] = best[i - 1], began[i - 1], previous[i - 1]
+        best[i] += total[i] - total[i - 1]
+        for j in range(max(0, int(latest[i - 1]) + 1), int(latest[i]) + 1):  # shots long enough just now
+            if j == 0:
+                fresh, before = total[i] - total[0], np.full(cameras, -1)
+            elif cameras == 1:
+                break
+            else:
+                second, first = np.argsort(best[j], kind="stable")[-2:]
+                before = np.where(np.arange(cameras) == first, second, first)
+                fresh = best[j, before] - cost + total[i] - total[j]
+            better = fresh > best[i]
+            best[i] = np.where(better, fresh, best[i])
+            began[i] = np.where(better, j, began[i])
+            previous[i] = np.where(better, before, previous[i])
+    choice = np.zeros(samples, np.int64)
+    if not np.isfinite(best[samples]).any():  # shorter than one shot: a single one
+        choice[:] = int(np.argmax(total[samples]))
         return choice
-
-
-@frozen
-class LeastOccluded:
-    """The camera that sees most at every sample, whatever the number of switches: the paper's greedy choice."""
-
-    name = "least-occluded"
-
-    def select(self, table: ScoreTable, *, frames: int, rate: Fraction) -> tuple[Shot, ...]:
-        """Shots that tile [0, frames)."""
-        borders = sample_borders(table, frames)
-        value = worth(table, borders)
-        choice = np.zeros(len(value), np.int64)
-        current = int(np.argmax(value[0]))
-        for i, row in enumerate(value):
-            if row[current] < row.max():  # of two equals the one on air stays
-                current = int(np.argmax(row))
-            choice[i] = current
-        return shots_from(choice, table, borders, "sees most: {visible}{next}")
-
-
-@frozen
-class Fixed:
-    """One camera throughout: the first of the recording, or the one it is made with."""
-
-    camera: str | None = field(default=None)
-    name = "fixed"
-
-    def select(self, table: ScoreTable, *, frames: int, rate: Fraction) -> tuple[Shot, ...]:
-        """One shot over [0, frames); UsageError when there is no such camera."""
-        camera = self.camera or table.cameras[0]
-        if camera not in table.cameras:
-            raise UsageError(f"there is no camera {camera!r}", remedy=f"Choose one of {', '.join(table.cameras)}")
-        choice = np.full(len(table.frames), table.cameras.index(camera), np.int64)
-        return shots_from(choice, table, sample_borders(table, frames), "the camera asked for")
+    at, camera = samples, int(np.argmax(best[samples]))
+    while at > 0:
+        start, before = int(began[at, camera]), int(previous[at, camera])
+        choice[start:at] = camera
+        at, camera = start, before
+    return choice

@@ -1,4 +1,4 @@
-"""The switches of the shots moved to the very frame.
+"""The switches between shots moved to the very frame.
 
 Samples lie about a second apart; around a switch the two cameras are decoded more densely. The cost grows with the
 number of switches, not with the length of the recording.
@@ -6,12 +6,14 @@ number of switches, not with the length of the recording.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from fractions import Fraction
 from itertools import pairwise
 
 import attrs
 import numpy as np
 from attrs import field, frozen
+from numpy.typing import NDArray
 
 from mcsl_core.edl import Movement, Shot
 from mcsl_core.occlusion.scoring import ScoringSegment
@@ -20,95 +22,186 @@ from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.sample_store import SAMPLE_HEIGHT
 from mcsl_core.timing import FrameRange
 
+from .protocol import least_frames
+
+# Number of the switch and the frames it may go to -> the one of them to switch at.
+ChooseFrame = Callable[[int, FrameRange], int]
+
 
 @frozen
 class RefinementSettings:
-    """reach_s: a switch moves by so much at most. step_s: how densely it is looked at. least_s: no shot is made shorter
-    than this, or than it was. moving_reach_s: as reach_s, of a switch while the lamp moves."""
+    """How far a switch is moved and how densely the pictures around it are scored.
+
+    Attributes
+    ----------
+    reach_s : float
+        Seconds by which a switch moves at most.
+    moving_reach_s : float
+        The same for a switch while the lamp moves.
+    step_s : float
+        Seconds between the frames that are scored around a switch.
+    """
 
     reach_s: float = field(default=1.0)
     moving_reach_s: float = field(default=3.0)
     step_s: float = field(default=0.16)
-    least_s: float = field(default=2.0)
 
 
 def refine_switches(
     shots: Sequence[Shot],
     footage: Footage,
-    pieces: Sequence[ScoringSegment],
+    segments: Sequence[ScoringSegment],
     movements: Sequence[Movement],
     progress: Progress,
+    *,
+    min_shot_s: float,
     settings: RefinementSettings = RefinementSettings(),
 ) -> tuple[int, ...]:
-    """The frames to switch at: for every switch where its two cameras together show most of the field.
+    """Moves every switch to where its two cameras together show most of the field.
+
+    Parameters
+    ----------
+    shots : sequence of Shot
+        What the selector chose, tiling the programme.
+    footage : Footage
+        Where the pictures around the switches are read from.
+    segments : sequence of ScoringSegment
+        What scores them.
+    movements : sequence of Movement
+        While the lamp moves no score holds.
+    progress : Progress
+        Told of every switch.
+    min_shot_s : float
+        The minimum shot length that the selector promised, in seconds. No shot becomes shorter, or than it was.
+    settings : RefinementSettings, optional
+        How far and how densely.
+
+    Returns
+    -------
+    tuple of int
+        The programme frames to switch at, one fewer than ``shots``; see `with_switches_at`.
+    """
+    step = max(1, round(settings.step_s * float(footage.rate)))
+
+    def choose_frame(number: int, span: FrameRange) -> int:
+        before, after = shots[number], shots[number + 1]
+        switch = after.range.start
+        segment = next((s for s in segments if switch in s.range), None)
+        scored = None if segment is None else span.intersection(segment.range)
+        if segment is None or scored is None:
+            return switch
+        frames = range(scored.start, scored.stop, step)
+        gain = _visible(before.camera, frames, footage, segment) - _visible(after.camera, frames, footage, segment)
+        return _clearest(switch, scored, np.array(frames), gain)
+
+    progress.stage("Refining the switches", len(shots) - 1, "switches")
+    switches: list[int] = []
+    for switch in moved_switches(shots, movements, footage.rate, min_shot_s, choose_frame, settings):
+        switches.append(switch)
+        progress.advance(len(switches))
+    return tuple(switches)
+
+
+def moved_switches(
+    shots: Sequence[Shot],
+    movements: Sequence[Movement],
+    rate: Fraction,
+    min_shot_s: float,
+    choose_frame: ChooseFrame,
+    settings: RefinementSettings = RefinementSettings(),
+) -> Iterator[int]:
+    """Where every switch goes: how far it may, and whom it is left to within that.
 
     No score holds while the lamp moves. A switch that falls into a movement goes to its middle, where the pose changes
     and the picture jumps in any case: so the viewer sees one camera up to there, one from there on, and one jump.
+
+    Parameters
+    ----------
+    shots : sequence of Shot
+        Tiling the programme.
+    movements : sequence of Movement
+        In order.
+    rate : Fraction
+        Programme frames per second.
+    min_shot_s : float
+        Seconds below which no shot is made shorter.
+    choose_frame : callable
+        Asked for the frame of every switch that may move and lies by no movement: (number of the switch from 0, range
+        it may go to) -> a frame of that range.
+    settings : RefinementSettings, optional
+        How far a switch moves.
+
+    Yields
+    ------
+    int
+        The programme frame of each switch, in order. Whatever ``choose_frame`` answers, every shot is at least
+        min(``min_shot_s``, what it lasted in ``shots``) long.
     """
-    rate = float(footage.rate)
-    least = round(settings.least_s * rate)
-    cuts = [s.range.start for s in shots[1:]]
-    ends = [0, *cuts, footage.frames]
-    progress.stage("Refining the switches", len(cuts), "switches")
-    for n, (before, after) in enumerate(zip(shots, shots[1:], strict=False)):
-        # The switch before has been moved already, the one after has not: both bound this one.
-        moving = next((m.range for m in movements if ends[n + 1] in m.range), None)
-        reach = round((settings.reach_s if moving is None else settings.moving_reach_s) * rate)
-        earliest = max(ends[n] + min(least, ends[n + 1] - ends[n]), ends[n + 1] - reach)
-        latest = min(ends[n + 2] - min(least, ends[n + 2] - ends[n + 1]), ends[n + 1] + reach)
-        piece = next((p for p in pieces if ends[n + 1] in p.range), None)
+    least = least_frames(min_shot_s, rate)
+    start = 0  # of the shot before the switch, which has been moved already; the shot after still ends where it did
+    for number, shot in enumerate(shots[1:]):
+        switch, stop = shot.range.start, shot.range.stop
+        moving = next((m.range for m in movements if switch in m.range), None)
+        reach = round((settings.reach_s if moving is None else settings.moving_reach_s) * float(rate))
+        earliest = max(start + min(least, switch - start), switch - reach)
+        latest = min(stop - min(least, stop - switch), switch + reach)
         if moving is not None:
             middle = (moving.start + moving.stop) // 2
             if earliest <= middle <= latest:
-                ends[n + 1] = middle
-        elif piece is not None and latest > earliest and not _moving(earliest, latest, movements):
-            span = FrameRange(max(earliest, piece.range.start), min(latest + 1, piece.range.stop))
-            ends[n + 1] = _best_cut(ends[n + 1], span, before.camera, after.camera, footage, piece, settings)
-        progress.advance(n + 1)
-    return tuple(ends[1:-1])
+                switch = middle
+        elif latest > earliest and not _meets_movement(earliest, latest, movements):
+            switch = choose_frame(number, FrameRange(earliest, latest + 1))
+        yield switch
+        start = switch
 
 
-def with_switches_at(shots: Sequence[Shot], cuts: Sequence[int]) -> tuple[Shot, ...]:
-    """``shots`` with their switches at the frames ``cuts``, one fewer than shots."""
-    ends = [0, *cuts, shots[-1].range.stop]
+def with_switches_at(shots: Sequence[Shot], switches: Sequence[int]) -> tuple[Shot, ...]:
+    """The shots with their switches moved.
+
+    Parameters
+    ----------
+    shots : sequence of Shot
+        Tiling the programme.
+    switches : sequence of int
+        Rising programme frames, one fewer than ``shots``.
+
+    Returns
+    -------
+    tuple of Shot
+        The same shots, each from its switch to the next.
+    """
+    ends = [0, *switches, shots[-1].range.stop]
     return tuple(
         attrs.evolve(shot, range=FrameRange(start, stop))
         for shot, (start, stop) in zip(shots, pairwise(ends), strict=True)
     )
 
 
-def _moving(start: int, stop: int, movements: Sequence[Movement]) -> bool:
-    return any(m.range.start <= stop and start < m.range.stop for m in movements)
+def _meets_movement(first: int, last: int, movements: Sequence[Movement]) -> bool:
+    """Whether the lamp moves at ``first``, ``last`` or between."""
+    return any(m.range.start <= last and first < m.range.stop for m in movements)
 
 
-def _best_cut(
-    cut: int,
-    span: FrameRange,
-    before: str,
-    after: str,
-    footage: Footage,
-    piece: ScoringSegment,
-    settings: RefinementSettings,
-) -> int:
-    """The frame of ``span`` to switch at: most visible field in ``before`` up to it and in ``after`` from it on."""
-    frames = list(range(span.start, span.stop, max(1, round(settings.step_s * float(footage.rate)))))
-    seen = [_seen(camera, frames, footage, piece) for camera in (before, after)]
-    known = ~np.isnan(seen[0]) & ~np.isnan(seen[1])
+def _clearest(switch: int, span: FrameRange, frames: NDArray[np.int64], gain: NDArray[np.float64]) -> int:
+    """The frame of ``span`` to switch at: most visible field in the camera before up to it, in the one after from it.
+
+    ``gain``: (N,) how much more of the field the camera before shows at each of ``frames``, NaN without picture.
+    """
+    known = ~np.isnan(gain)
     if known.sum() < 2:
-        return cut
+        return switch
     every = np.arange(span.start, span.stop)
-    gain = np.interp(every, np.array(frames)[known], (seen[0] - seen[1])[known])
-    worth = np.concatenate([[0.0], np.cumsum(gain)[:-1]])  # of staying with `before` up to each frame
-    # Of equals the one nearest to where the samples put it.
-    best = np.flatnonzero(worth >= worth.max() - 1e-9)
-    return int(every[best[np.argmin(np.abs(every[best] - cut))]])
+    staying = np.interp(every, frames[known], gain[known])
+    worth = np.concatenate([[0.0], np.cumsum(staying)[:-1]])  # of staying with the camera before up to each frame
+    best = every[worth >= worth.max() - 1e-9]
+    return int(best[np.argmin(np.abs(best - switch))])  # of equals the one nearest to where the samples put it
 
 
-def _seen(camera: str, frames: Sequence[int], footage: Footage, piece: ScoringSegment) -> np.ndarray:
-    """(N,) visible field of ``camera`` at ``frames``, NaN without picture."""
-    seen = np.full(len(frames), np.nan)
-    for n, (_, picture) in enumerate(footage.pictures(camera, frames, height=SAMPLE_HEIGHT)):
-        views = piece.moments.scene.views({camera: picture})
+def _visible(camera: str, frames: Sequence[int], footage: Footage, segment: ScoringSegment) -> NDArray[np.float64]:
+    """(N,) visible field of ``camera`` at ``frames``, 0..1, NaN without picture."""
+    visible = np.full(len(frames), np.nan)
+    for position, (_, picture) in enumerate(footage.pictures(camera, frames, height=SAMPLE_HEIGHT)):
+        views = segment.samples.aligned.views({camera: picture})
         if views:
-            seen[n] = piece.score(views)[camera]
-    return seen
+            visible[position] = segment.score(views)[camera]
+    return visible

@@ -20,7 +20,7 @@ from lamp_video import write_lamp
 from mcsl_core.alignment.aligned_views import AlignedPose
 from mcsl_core.alignment.correspondences import Correspondences
 from mcsl_core.alignment.protocol import Alignment
-from mcsl_core.centering.protocol import FieldPlace
+from mcsl_core.centering.protocol import FieldPosition
 from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.edl import Camera, Edl, Look, Media, Pose, Shot
 from mcsl_core.hooks.registry import Offer, discover
@@ -312,12 +312,12 @@ def test_selectors_tile_the_programme(offer: Offer) -> None:
 
 @offers("centerer")
 def test_centerers_give_few_rising_keys_that_move_towards_the_middle(offer: Offer) -> None:
-    places = [
-        FieldPlace(FrameRange(0, 300), (700.0, 300.0)),
-        FieldPlace(FrameRange(300, 310), None),
-        FieldPlace(FrameRange(310, 900), (450.0, 200.0)),
+    positions = [
+        FieldPosition(FrameRange(0, 300), (700.0, 300.0)),
+        FieldPosition(FrameRange(300, 310), None),
+        FieldPosition(FrameRange(310, 900), (450.0, 200.0)),
     ]
-    keys = offer.checked.centre(places, size=(960, 540), rate=30.0)
+    keys = offer.checked.centre(positions, size=(960, 540), rate=30.0)
     assert len(keys) <= 12
     assert all(a[0] < b[0] for a, b in pairwise(keys))
     assert all(0 <= k[0] < 900 for k in keys)
@@ -328,7 +328,7 @@ def test_centerers_give_few_rising_keys_that_move_towards_the_middle(offer: Offe
 
 @offers("centerer")
 def test_centerers_leave_a_recording_without_a_field_alone(offer: Offer) -> None:
-    assert not offer.checked.centre([FieldPlace(FrameRange(0, 50), None)], size=(960, 540), rate=30.0)
+    assert not offer.checked.centre([FieldPosition(FrameRange(0, 50), None)], size=(960, 540), rate=30.0)
 
 
 def test_every_stage_has_its_default() -> None:

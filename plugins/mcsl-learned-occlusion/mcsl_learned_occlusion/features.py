@@ -92,7 +92,7 @@ def backgrounds(scene: AlignedPose, moments: Sequence[Sequence[AlignedView]], *,
     everywhere = AlignedPose(
         scene.size, scene.reference, scene.homographies, scene.camera_sizes, np.ones(scene.field.shape, bool)
     )
-    agreed = Consensus(moments=count).scorer(everywhere, moments).background
+    agreed = Consensus(samples=count).scorer(everywhere, moments).background
     cut, found = whole(scene), {}
     for views in moments:  # where a camera has picture is the same at all moments of a pose
         for view in views:

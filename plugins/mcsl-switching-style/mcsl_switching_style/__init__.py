@@ -35,6 +35,11 @@ class StyleSelector:
     name: str
     style: Style
 
+    @property
+    def min_shot_s(self) -> float:
+        """What the style promises; mcsl keeps it when it moves the cuts to the frame."""
+        return self.style.min_shot_s
+
     def select(self, table: ScoreTable, *, frames: int, rate: Fraction) -> tuple[Shot, ...]:
         """Shots that tile [0, frames), the best of all in this style."""
         borders = sample_borders(table, frames)
@@ -72,6 +77,11 @@ class OwnStyle:
 
     path: Path
     name = "style-own"
+
+    @property
+    def min_shot_s(self) -> float:
+        """See `StyleSelector.min_shot_s`; InputError names what is wrong with the file."""
+        return load_style(self.path).min_shot_s
 
     def select(self, table: ScoreTable, *, frames: int, rate: Fraction) -> tuple[Shot, ...]:
         """Shots that tile [0, frames); InputError names what is wrong with the file."""

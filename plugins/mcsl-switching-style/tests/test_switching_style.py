@@ -128,6 +128,14 @@ def test_the_minimum_is_kept_and_a_longer_shot_than_the_maximum_costs() -> None:
     assert max(lengths) <= 4
 
 
+def test_the_minimum_is_promised_to_mcsl(tmp_path: Path) -> None:
+    promised = {name: discover().choose("selector", f"style-{name}").checked.min_shot_s for name in ("calm", "close")}
+    assert promised == {"calm": 6, "close": 1.5}
+    path = tmp_path / "mine.toml"
+    path.write_text("min_shot_s = 8\n", "utf-8")
+    assert OwnStyle(path).min_shot_s == 8
+
+
 def test_back_and_forth_costs_but_a_third_camera_does_not() -> None:
     two = table_of("999999000099999", "000000999900000")
     there_and_back = "111111222211111"

@@ -9,7 +9,7 @@ from mcsl_core.imaging.planes import Planes, bgr_to_planes, planes_to_bgr, upsam
 from mcsl_core.imaging.psnr import psnr
 
 
-def scene(seed=0, size=(320, 240)):
+def texture(seed=0, size=(320, 240)):
     rng = np.random.default_rng(seed)
     coarse = rng.integers(30, 200, (size[1] // 16, size[0] // 16, 3), dtype=np.uint8)
     return cv2.resize(coarse, size, interpolation=cv2.INTER_CUBIC)
@@ -27,7 +27,7 @@ EVERYWHERE = np.full((240, 320), 255, np.uint8)
     [((1, 1, 1), (0, 0, 0)), ((0.8, 1.0, 1.2), (6, -4, 10)), ((1.3, 1.1, 0.75), (-10, 0, 12))],
 )
 def test_a_known_difference_is_undone(gains, offsets):
-    truth = scene()
+    truth = texture()
     other = seen_by(truth, gains, offsets)
     found = match_colours(other, truth, EVERYWHERE)
     matched = planes_to_bgr(apply_colour(bgr_to_planes(other), found))
@@ -38,7 +38,7 @@ def test_a_known_difference_is_undone(gains, offsets):
 
 
 def test_noise_parallax_and_a_third_of_foreign_things_do_not_throw_it():
-    truth = scene()
+    truth = texture()
     rng = np.random.default_rng(1)
     other = seen_by(np.roll(truth, 2, axis=1), (0.8, 0.95, 1.15), (4, 0, 8))
     other = np.clip(other + rng.normal(0, 4, other.shape), 0, 255).astype(np.uint8)
@@ -52,7 +52,7 @@ def test_noise_parallax_and_a_third_of_foreign_things_do_not_throw_it():
 
 
 def test_only_the_mask_counts_and_too_little_is_the_identity():
-    truth = scene()
+    truth = texture()
     other = seen_by(truth, (0.8, 0.8, 0.8), (0, 0, 0))
     other[:120] = 255 - other[:120]
     mask = EVERYWHERE.copy()
@@ -65,7 +65,7 @@ def test_only_the_mask_counts_and_too_little_is_the_identity():
 
 
 def test_gains_stay_sane():
-    truth = scene()
+    truth = texture()
     found = np.array(match_colours(seen_by(truth, (0.1, 0.1, 0.1), (20, 20, 20)), truth, EVERYWHERE).matrix)
     assert found[0, 0] <= 2.0 + 1e-6
 
@@ -106,7 +106,7 @@ def chroma_sized(y):
 @pytest.mark.parametrize("noise", [False, True])
 def test_apply_is_the_matrix_at_every_pixel_to_a_code(gains, offsets, most, noise):
     """In float64, every plane where it lies, also on codes without any likeness between neighbours."""
-    planes = bgr_to_planes(scene(3))
+    planes = bgr_to_planes(texture(3))
     if noise:
         rng = np.random.default_rng(4)
         planes = Planes(*(rng.integers(16, 236, plane.shape, dtype=np.uint8) for plane in planes))

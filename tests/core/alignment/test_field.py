@@ -6,28 +6,28 @@ import cv2
 import numpy as np
 
 from mcsl_core.alignment.aligned_views import AlignedPose
-from mcsl_core.alignment.field import field_by_hue, typical_picture
+from mcsl_core.alignment.field import field_by_hue, modal_picture
 from mcsl_core.imaging.masks import central_ellipse, close_gaps, convex_hull
 
 SIZE = (240, 136)
 FIELD = (slice(45, 95), slice(80, 160))
 
 
-def scene() -> AlignedPose:
+def aligned() -> AlignedPose:
     cameras = ("cam1", "cam2", "cam3")
     empty = np.zeros((SIZE[1], SIZE[0]), bool)
     return AlignedPose(SIZE, "cam1", {c: np.eye(3) for c in cameras}, dict.fromkeys(cameras, SIZE), empty)
 
 
-def moments(count: int, glove: tuple[int, int, int]):
+def samples(count: int, glove: tuple[int, int, int]):
     """Skin in green drapes, and a glove that works in two of three views at most, most of the time."""
     rng = np.random.default_rng(3)
-    for moment in range(count):
+    for sample in range(count):
         pictures = {}
         for number in range(3):
             picture = np.full((SIZE[1], SIZE[0], 3), (60, 110, 40), np.uint8)
             picture[FIELD] = (110, 140, 200)
-            if (moment + number) % 3:
+            if (sample + number) % 3:
                 x, y = rng.integers(60, 140), rng.integers(30, 80)
                 shade = rng.uniform(0.6, 1.1)
                 colour = tuple(float(min(255, v * shade)) for v in glove)
@@ -45,7 +45,7 @@ def overlap(mask: np.ndarray) -> float:
 
 def test_the_field_is_found_under_gloves_of_any_colour() -> None:
     for glove in ((200, 90, 40), (235, 235, 235), (100, 130, 210)):  # blue, white, the skin's own
-        picture = typical_picture(scene(), moments(40, glove))
+        picture = modal_picture(aligned(), samples(40, glove))
         assert picture.shape == (SIZE[1], SIZE[0], 3)
         assert overlap(field_by_hue(picture)) > 0.85, glove
 

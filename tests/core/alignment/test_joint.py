@@ -1,4 +1,4 @@
-"""Alignment on point scenes with known truth. The oracle is plain numpy and scipy and shares no code with mcsl."""
+"""Alignment on points with known truth. The oracle is plain numpy and scipy and shares no code with mcsl."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ def test_a_pair_that_shows_the_same_head_does_not_place_a_camera() -> None:
 
 
 def test_repeated_static_false_matches_do_not_tie_cameras() -> None:
-    """The same eight wrong matches in a hundred frames are eight places, however often they are found."""
+    """The same eight wrong matches in a hundred frames are eight cells, however often they are found."""
     rng = np.random.default_rng(6)
     a, b = rng.uniform(0, 1, (2, 8, 2)) * SIZE
     pooled = pool([(a, b, np.ones(8))] * 100)

@@ -16,7 +16,7 @@ import pytest
 from mcsl_core.alignment.aligned_views import AlignedPose
 from mcsl_core.alignment.correspondences import Correspondences
 from mcsl_core.alignment.protocol import Alignment, Features
-from mcsl_core.centering.protocol import FieldPlace
+from mcsl_core.centering.protocol import FieldPosition
 from mcsl_core.edl import Movement, Shot, Weak
 from mcsl_core.errors import Cancelled, InputError, McslError, PluginError
 from mcsl_core.hooks.guards import Watch, read_only
@@ -78,7 +78,7 @@ CALLS: dict[tuple[str, str], Callable] = {
     ("occlusion", "scorer"): lambda s: s.scorer(SCENE, [views()]),
     ("occlusion", "score"): lambda s: s.scorer(SCENE, [views()]).score(views()),
     ("selector", "select"): lambda s: s.select(table(), frames=FRAMES, rate=Fraction(30)),
-    ("centerer", "centre"): lambda s: s.centre([FieldPlace(FrameRange(0, 60), None)], size=SIZE, rate=30.0),
+    ("centerer", "centre"): lambda s: s.centre([FieldPosition(FrameRange(0, 60), None)], size=SIZE, rate=30.0),
     ("filler", "fill"): lambda s: s.fill(Programme()),
 }
 

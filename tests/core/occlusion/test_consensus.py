@@ -16,12 +16,12 @@ def test_a_head_that_stays_before_one_camera_does_not_become_the_field() -> None
     cloth = cv2.GaussianBlur(rng.integers(0, 255, (270, 480, 3)).astype(np.uint8), (0, 0), 15)
     cloth = cv2.normalize(cloth, None, 40, 200, cv2.NORM_MINMAX)  # pyright: ignore
     cameras = [f"cam{n}" for n in range(4)]
-    place = np.zeros((270, 480), bool)
-    place[70:200, 150:330] = True
-    scene = AlignedPose(size, "cam0", dict.fromkeys(cameras, np.eye(3)), dict.fromkeys(cameras, size), place)
-    covered = cloth.copy()
-    cv2.rectangle(covered, (140, 60), (240, 210), (10, 10, 240), -1)  # over half of the field, all the time
-    moments = [scene.views({c: covered if c == "cam2" else cloth for c in cameras})] * 12
-    scores = Consensus().scorer(scene, moments).score(moments[0])
+    field = np.zeros((270, 480), bool)
+    field[70:200, 150:330] = True
+    aligned = AlignedPose(size, "cam0", dict.fromkeys(cameras, np.eye(3)), dict.fromkeys(cameras, size), field)
+    hidden = cloth.copy()
+    cv2.rectangle(hidden, (140, 60), (240, 210), (10, 10, 240), -1)  # over half of the field, all the time
+    samples = [aligned.views({c: hidden if c == "cam2" else cloth for c in cameras})] * 12
+    scores = Consensus().scorer(aligned, samples).score(samples[0])
     assert min(scores[c] for c in cameras if c != "cam2") > 0.95
     assert scores["cam2"] == pytest.approx(0.5, abs=0.1)
