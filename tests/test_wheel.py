@@ -85,7 +85,7 @@ def test_the_add_on_is_found_and_is_a_package_on_the_paths_that_its_process_gets
     assert not Path(script).is_relative_to(ROOT)
     # As in Blender: a Python that has none of our packages and appends the paths.
     code = f"import json, sys\nsys.path += {paths!r}\nimport blender_addon\nfrom blender_addon.core import presets\n"
-    code += "print(json.dumps([blender_addon.__file__, [preset.name for preset in presets.load_all()]]))"
+    code += "print(json.dumps([blender_addon.__file__, list(presets.load_all())]))"
     done = run(sys.executable, "-I", "-S", "-c", code, cwd=tmp_path)
     package, presets = json.loads(done)
     assert Path(package).parent in Path(script).parents
@@ -96,11 +96,13 @@ def test_the_add_on_is_found_and_is_a_package_on_the_paths_that_its_process_gets
 def test_blender_runs_the_installed_add_on(python, tmp_path):
     """No timeline is at hand; a file that is none is refused by the task itself, so it was reached."""
     code = f"""
+from pathlib import Path
 from mcsl_core.blender import child
 from mcsl_core.blender.installation import find
+from mcsl_core.blender.messages import ReadRequest
 from mcsl_core.errors import InputError
 try:
-    out = child.run_task(find(), {{"task": "read", "blend": {str(tmp_path / "none.blend")!r}}})
+    out = child.run_task(find(), ReadRequest(Path({str(tmp_path / "none.blend")!r})))
 except InputError as error:
     out = str(error)
 """

@@ -29,7 +29,7 @@ _KINDS: dict[int, type[McslError]] = {kind.exit_code: kind for kind in (UsageErr
 
 
 def addon_parent() -> Path:
-    """The folder that holds blender_addon: beside mcsl_core in the source tree, mcsl_core itself in an installed one.
+    """The folder that holds blender_addon: the source tree, or mcsl_core/data where mcsl is installed.
 
     Raises
     ------
@@ -37,7 +37,7 @@ def addon_parent() -> Path:
         It is in neither.
     """
     package = Path(__file__).resolve().parents[1]
-    for parent in (package.parent, package):
+    for parent in (package.parent, package / "data"):
         if (parent / "blender_addon" / "worker").is_dir():
             return parent
     raise BlenderError("the add-on's files are missing", where=str(package), remedy="Install mcsl again")

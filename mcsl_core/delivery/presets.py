@@ -96,10 +96,10 @@ _converter = make_converter()
 
 
 def presets_folder() -> Path:
-    """Where the presets that come with mcsl lie: beside mcsl_core in the source tree, in it where it is installed."""
+    """Where the presets that come with mcsl lie: in the source tree, or in mcsl_core/data where mcsl is installed."""
     package = Path(__file__).resolve().parents[1]
     beside = package.parent / "render_presets"
-    return beside if beside.is_dir() else package / "render_presets"
+    return beside if beside.is_dir() else package / "data" / "render_presets"
 
 
 def preset_names() -> list[str]:

@@ -31,12 +31,13 @@ def test_in_the_source_tree_they_lie_beside_the_package():
     assert presets.presets_folder() == PACKAGE.parent / "render_presets"
 
 
-def test_installed_they_lie_in_the_package(installed):
-    (installed / "blender_addon" / "worker").mkdir(parents=True)
-    (installed / "render_presets").mkdir()
-    assert child.script() == installed / "blender_addon" / "worker" / "__main__.py"
-    assert child.search_paths()[0] == str(installed)
-    assert presets.presets_folder() == installed / "render_presets"
+def test_installed_they_lie_in_a_folder_of_the_package(installed):
+    data = installed / "data"
+    (data / "blender_addon" / "worker").mkdir(parents=True)
+    (data / "render_presets").mkdir()
+    assert child.script() == data / "blender_addon" / "worker" / "__main__.py"
+    assert child.search_paths()[0] == str(data)
+    assert presets.presets_folder() == data / "render_presets"
 
 
 def test_files_that_are_missing_are_told_of(installed):
