@@ -158,7 +158,7 @@ def movements_in(draw: st.DrawFn, frames: int) -> list[Movement]:
     st.sampled_from([Fraction(25), Fraction(30000, 1001), Fraction(12), Fraction(121, 10)]),
     st.data(),
 )
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=150, deadline=None)
 def test_what_a_selector_promises_holds_after_the_refinement(drawn, selector, rate: Fraction, data) -> None:
     """Whatever the pictures say, and wherever the lamp moves."""
     table, frames = drawn
