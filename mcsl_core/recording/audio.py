@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsl_core.edl import Camera
-from mcsl_core.media.audio import read_sound
+from mcsl_core.media.audio import read_audio
 
 from .decoder import Part, exact_camera_time
 
@@ -63,7 +63,7 @@ def _blocks(parts: Sequence[Part], start: int, rate: int) -> Iterator[tuple[int,
         # A file's sound may run on past its last picture; the next file's takes over where that begins.
         end = int(parts[index + 1].begin_s * rate) if index + 1 < len(parts) else None
         from_s = max(Fraction(0), Fraction(start, rate) - part.begin_s)
-        for time_s, samples in read_sound(part.facts, from_s, rate):
+        for time_s, samples in read_audio(part.facts, from_s, rate):
             at = round((part.begin_s + time_s) * rate)
             if end is not None and at + len(samples) > end:
                 samples = samples[: max(0, end - at)]

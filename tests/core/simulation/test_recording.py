@@ -13,7 +13,7 @@ import pytest
 from mcsl_core.errors import Cancelled, DocumentError
 from mcsl_core.imaging.masks import hue_mask
 from mcsl_core.imaging.planes import planes_to_bgr
-from mcsl_core.media.audio import read_sound
+from mcsl_core.media.audio import read_audio
 from mcsl_core.media.frames import to_planes
 from mcsl_core.media.probing import probe
 from mcsl_core.media.reading import VideoReader
@@ -37,7 +37,7 @@ def luma(file: Path) -> list[np.ndarray]:
 
 
 def sound(file: Path) -> np.ndarray:
-    blocks = [block.ravel() for _, block in read_sound(probe(file), Fraction(0), 48000)]
+    blocks = [block.ravel() for _, block in read_audio(probe(file), Fraction(0), 48000)]
     return np.concatenate(blocks)
 
 
