@@ -14,7 +14,7 @@ from mcsl_core.filling.protocol import Filler
 from mcsl_core.hooks.registry import filler_offer
 from mcsl_core.imaging.geometry import scaling
 from mcsl_core.imaging.planes import Planes
-from mcsl_core.recording.footage import Footage, Player
+from mcsl_core.recording.footage import CameraReader, Footage
 
 
 def reduced_size(size: tuple[int, int], width: int) -> tuple[int, int]:
@@ -80,27 +80,27 @@ class SharedFootage(Footage):
     def __init__(self, edl: Edl, base: Path, size: tuple[int, int]) -> None:
         small = reduced(edl, size)
         super().__init__(small.cameras, rate=edl.rate, frames=edl.frames, base=base)
-        self._players: dict[str, _SharedPlayer] = {}
+        self._readers: dict[str, _SharedReader] = {}
 
-    def player(self, camera: str) -> _SharedPlayer:  # pyright: ignore[reportIncompatibleMethodOverride]
-        if camera not in self._players:
-            self._players[camera] = _SharedPlayer(super().player(camera))
-        return self._players[camera]
+    def reader(self, camera: str) -> _SharedReader:  # pyright: ignore[reportIncompatibleMethodOverride]
+        if camera not in self._readers:
+            self._readers[camera] = _SharedReader(super().reader(camera))
+        return self._readers[camera]
 
     def close(self) -> None:
-        for player in self._players.values():
-            player.end()
+        for reader in self._readers.values():
+            reader.end()
 
 
-class _SharedPlayer:
-    def __init__(self, player: Player) -> None:
-        self._player = player
+class _SharedReader:
+    def __init__(self, reader: CameraReader) -> None:
+        self._reader = reader
 
     def at(self, frame: int) -> Planes | None:
-        return self._player.at(frame)
+        return self._reader.at(frame)
 
     def close(self) -> None:
         """A compositor has done with it; the others have not."""
 
     def end(self) -> None:
-        self._player.close()
+        self._reader.close()

@@ -54,8 +54,8 @@ def size_at_columns(size: tuple[int, int], columns: int) -> tuple[int, int]:
     return columns, max(1, round(size[1] * columns / size[0]))
 
 
-def to_edl_matrix(homography: Homography) -> Matrix:
-    """A (3, 3) array as the EDL writes it, scaled so that the last element is 1."""
+def to_edl_matrix(homography: Array) -> Matrix:
+    """A 3x3 array as the EDL writes it, scaled so that the last element is 1."""
     h = np.asarray(homography, float) / homography[2, 2]
     rows = [tuple(float(v) for v in row) for row in h]
     return rows[0], rows[1], rows[2]  # pyright: ignore[reportReturnType]

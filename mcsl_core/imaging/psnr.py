@@ -9,24 +9,9 @@ from numpy.typing import NDArray
 
 
 def psnr(a: NDArray, b: NDArray, mask: NDArray | None = None) -> float:
-    """Peak signal-to-noise ratio of two 8-bit pictures of one shape.
+    """Peak signal-to-noise ratio in dB of two 8-bit pictures of one shape; infinite when they are equal.
 
-    Parameters
-    ----------
-    a, b
-        (H, W) or (H, W, C), codes 0..255.
-    mask
-        (H, W), only pixels where it is non-zero count; all without.
-
-    Returns
-    -------
-    float
-        Decibels; infinite when they are equal, NaN when no pixel counts.
-
-    Raises
-    ------
-    ValueError
-        Where the shapes differ.
+    mask: (H, W), only pixels where it is non-zero count.
     """
     if a.shape != b.shape:
         raise ValueError(f"pictures of different shape: {a.shape} and {b.shape}")

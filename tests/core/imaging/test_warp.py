@@ -206,9 +206,9 @@ class Counting(Footage):
         super().__init__(*arguments, **options)
         self.played = []
 
-    def player(self, camera):
+    def reader(self, camera):
         self.played.append(camera)
-        return super().player(camera)
+        return super().reader(camera)
 
 
 def test_a_steady_second_decodes_two_cameras(tmp_path):
