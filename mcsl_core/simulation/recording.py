@@ -18,9 +18,9 @@ from .clocks import Clock, clocks, frame_counts
 from .ground import Ground
 from .render import CameraPictures
 from .scenario import Scenario
+from .scene import Scene
 from .schedule import movement_frames
 from .sound import RATE, Microphone, Room
-from .staging import Play
 from .truth import PoseTruth, Truth, _best_plane, _rms, own_frame, save_truth, transfer
 
 
@@ -31,8 +31,8 @@ def simulate(scenario: Scenario, out: Path, progress: Progress) -> Truth:
     """
     out = Path(out)
     progress.stage("scene")
-    play = Play.of(scenario)
-    ground = Ground.of(scenario, play.surface, play.rig)
+    scene = Scene.of(scenario)
+    ground = Ground.of(scenario, scene.surface, scene.rig)
     room = Room(scenario) if scenario.audio else None
     counts, times = frame_counts(scenario), clocks(scenario)
     try:
@@ -43,9 +43,9 @@ def simulate(scenario: Scenario, out: Path, progress: Progress) -> Truth:
             f"cannot be written to ({error.strerror})", where=str(out), remedy="Choose another folder"
         ) from error
     progress.stage("film", sum(counts), "frames")
-    filming = Filming(play, ground, room, times, counts, out)
+    filming = Filming(scene, ground, room, times, counts, out)
     visible = filming.run(progress)
-    truth = _truth(play, times, counts, visible)
+    truth = _truth(scene, times, counts, visible)
     save_truth(truth, out)
     return truth
 
@@ -53,11 +53,11 @@ def simulate(scenario: Scenario, out: Path, progress: Progress) -> Truth:
 class Filming:
     """All cameras at work at once; OpenCV and the encoder leave Python's lock alone while they work."""
 
-    def __init__(self, play: Play, ground: Ground, room: Room | None, times, counts, out: Path) -> None:
-        self._play, self._ground, self._room = play, ground, room
+    def __init__(self, scene: Scene, ground: Ground, room: Room | None, times, counts, out: Path) -> None:
+        self._scene, self._ground, self._room = scene, ground, room
         self._times: tuple[Clock, ...] = times
         self._counts: tuple[int, ...] = counts
-        self._files = [out / f"{name}.mp4" for name in play.scenario.camera_names]
+        self._files = [out / f"{name}.mp4" for name in scene.scenario.camera_names]
         self._done = [0] * len(counts)
         self._stop = threading.Event()
 
@@ -85,8 +85,8 @@ class Filming:
         return [job.result() for job in jobs]
 
     def _camera(self, camera: int) -> NDArray:
-        scenario = self._play.scenario
-        pictures = CameraPictures(self._play, self._ground, camera, self._times[camera])
+        scenario = self._scene.scenario
+        pictures = CameraPictures(self._scene, self._ground, camera, self._times[camera])
         ear = Microphone(self._room, scenario, camera, self._times[camera]) if self._room else None
         visible = np.zeros((self._counts[camera], 2))
         rate = scenario.rate
@@ -113,8 +113,8 @@ class Filming:
         return visible
 
 
-def _truth(play: Play, times: tuple[Clock, ...], counts: tuple[int, ...], visible: list[NDArray]) -> Truth:
-    scenario = play.scenario
+def _truth(scene: Scene, times: tuple[Clock, ...], counts: tuple[int, ...], visible: list[NDArray]) -> Truth:
+    scenario = scene.scenario
     names = scenario.camera_names
     shown = np.zeros((2, scenario.frames, len(names)))
     for c, clock in enumerate(times):
@@ -123,17 +123,17 @@ def _truth(play: Play, times: tuple[Clock, ...], counts: tuple[int, ...], visibl
         shown[:, there, c] = visible[c][own[there]].T
     movements = movement_frames(scenario)
     edges = [0, *(edge for movement in movements for edge in movement), scenario.frames]
-    points = play.surface.field_points_mm
+    points = scene.surface.field_points_mm
     poses, errors = [], []
-    for n, pose in enumerate(play.path.poses):
-        views = [play.rig.view(c, pose) for c in range(len(names))]
-        px = np.stack([view.project(points) for view in views])
+    for n, pose in enumerate(scene.path.poses):
+        pinholes = [scene.rig.pinhole(c, pose) for c in range(len(names))]
+        px = np.stack([pinhole.project(points) for pinhole in pinholes])
         poses.append(
             PoseTruth(
                 range=(edges[2 * n], edges[2 * n + 1]),
-                K=np.stack([v.K for v in views]),
-                R=np.stack([v.R for v in views]),
-                t=np.stack([v.t for v in views]),
+                K=np.stack([v.K for v in pinholes]),
+                R=np.stack([v.R for v in pinholes]),
+                t=np.stack([v.t for v in pinholes]),
                 field_points_px=px,
             )
         )

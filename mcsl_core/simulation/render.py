@@ -15,10 +15,10 @@ from .backdrop import Backdrop
 from .clocks import Clock
 from .ground import Ground
 from .layers import Box, Overlay, Picture, layer_of
-from .rig import View, cross, unit
+from .rig import PinholeCamera, cross, unit
 from .scenario import Scenario
+from .scene import Placement, Scene
 from .solids import Sprite
-from .staging import Placement, Play
 
 FLAT = np.array([1.0, 1.0, 0.0])
 
@@ -42,13 +42,13 @@ def vignette(size: tuple[int, int], corner: float, shift: tuple[float, float] = 
 class CameraPictures:
     """Draws what one camera sees. Asking for frames in rising order is quick; any order is right."""
 
-    def __init__(self, play: Play, ground: Ground, camera: int, clock: Clock) -> None:
-        self._play, self._clock = play, clock
-        scenario = play.scenario
+    def __init__(self, scene: Scene, ground: Ground, camera: int, clock: Clock) -> None:
+        self._scene, self._clock = scene, clock
+        scenario = scene.scenario
         self._size = width, height = scenario.size
         rng, gains, corner = sensor(scenario, camera)
         self._gains = gains
-        self._backdrop = Backdrop(play, ground, camera, gains)
+        self._backdrop = Backdrop(scene, ground, camera, gains)
         self._sprites: dict[int, tuple[NDArray, NDArray, NDArray, NDArray]] = {}
         # Arms and heads are near the camera and out of focus: they are put together small and enlarged once.
         self._arms = Overlay(self._size, 2)
@@ -61,25 +61,25 @@ class CameraPictures:
 
     def frame(self, k: int) -> tuple[Planes, tuple[float, float]]:
         """The camera's own frame ``k`` and the visible fraction of the field, with and without counting hands."""
-        t = self._clock.programme(k / float(self._play.scenario.rate))
-        background, view = self._backdrop.at(t)
+        t = self._clock.programme(k / float(self._scene.scenario.rate))
+        background, pinhole = self._backdrop.at(t)
         picture = background.copy()
-        seen = FieldCount(view.project(self._play.surface.dense_points_mm), self._size)
-        placements = list(self._play.placements(t))
+        seen = FieldCount(pinhole.project(self._scene.surface.visibility_points_mm), self._size)
+        placements = list(self._scene.placements(t))
         for placement in placements:
             if placement.kind != "head":
-                self._shade(placement, view)
+                self._shade(placement, pinhole)
         self._shades.into(self._arms)
         for placement in placements:
             if placement.kind == "sleeve":
-                seen.hide(self._draw(self._arms, placement, view), self._arms.scale, True)
+                seen.hide(self._draw(self._arms, placement, pinhole), self._arms.scale, True)
         self._arms.onto(picture)
         for placement in placements:
             if placement.kind == "hand":
-                seen.hide(self._draw(picture, placement, view), 1, True)
+                seen.hide(self._draw(picture, placement, pinhole), 1, True)
         for placement in placements:
             if placement.kind == "head":
-                seen.hide(self._draw(self._heads, placement, view), self._heads.scale, False)
+                seen.hide(self._draw(self._heads, placement, pinhole), self._heads.scale, False)
         self._heads.onto(picture)
         return self._develop(picture, k), seen.fractions()
 
@@ -100,21 +100,23 @@ class CameraPictures:
             self._sprites[key] = next(layers), sprite.to_plane, next(layers), shade.to_plane
         return self._sprites[key]
 
-    def _draw(self, target: Picture | Overlay, placement: Placement, view: View) -> tuple[Box, NDArray] | None:
+    def _draw(
+        self, target: Picture | Overlay, placement: Placement, pinhole: PinholeCamera
+    ) -> tuple[Box, NDArray] | None:
         """Where the sprite was drawn and its opacity there, in the target's pixels."""
         layer, to_plane, _, _ = self._sprite(placement.sprite)
         ahead, aside = placement.ahead, placement.aside
         if placement.facing:
-            sight = unit(placement.origin - view.centre_mm)
+            sight = unit(placement.origin - pinhole.centre_mm)
             ahead = unit(ahead - (ahead @ sight) * sight)
             aside = cross(-sight, ahead)
-        return target.draw(layer, plane_to_picture(view, placement.origin, ahead, aside) @ to_plane)
+        return target.draw(layer, plane_to_picture(pinhole, placement.origin, ahead, aside) @ to_plane)
 
-    def _shade(self, placement: Placement, view: View) -> None:
+    def _shade(self, placement: Placement, pinhole: PinholeCamera) -> None:
         """Soft darkness on the surface right below."""
         _, _, shade, to_plane = self._sprite(placement.sprite)
         below = placement.origin * FLAT + (0, 0, placement.ground_z)
-        matrix = plane_to_picture(view, below, placement.ahead * FLAT, placement.aside * FLAT)
+        matrix = plane_to_picture(pinhole, below, placement.ahead * FLAT, placement.aside * FLAT)
         self._shades.draw(shade, matrix @ to_plane)
 
     def _develop(self, picture: Picture, k: int) -> Planes:
@@ -160,6 +162,6 @@ class FieldCount:
         return float(clear), float(clear_of_heads)
 
 
-def plane_to_picture(view: View, origin: NDArray, ahead: NDArray, aside: NDArray) -> NDArray:
+def plane_to_picture(pinhole: PinholeCamera, origin: NDArray, ahead: NDArray, aside: NDArray) -> NDArray:
     """3x3: plane coordinates (mm) to pixels; the third row gives depth in mm."""
-    return view.K @ np.stack([view.R @ ahead, view.R @ aside, view.R @ origin + view.t], 1)
+    return pinhole.K @ np.stack([pinhole.R @ ahead, pinhole.R @ aside, pinhole.R @ origin + pinhole.t], 1)

@@ -155,8 +155,8 @@ def people(scenario: Scenario, rig: Rig, path: LampPath) -> tuple[Person, ...]:
             pose = path.nearest(t)
             away = np.abs((rig.azimuth_deg + pose.turn_deg - azimuth + 180) % 360 - 180)
             near = [c for c in np.argsort(away)[:3] if away[c] < 100] or [int(np.argmin(away))]
-            eye = rig.view(int(rng.choice(near)), pose).centre_mm
-            return np.array([*(eye[:2] * (height / eye[2]) + rng.normal(0, 22, 2)), height])
+            lens = rig.pinhole(int(rng.choice(near)), pose).centre_mm
+            return np.array([*(lens[:2] * (height / lens[2]) + rng.normal(0, 22, 2)), height])
 
         keys, t = [], rng.uniform(-6, 4)
         while t < scenario.duration_s + 5:

@@ -19,7 +19,7 @@ from scipy.optimize import least_squares
 from mcsl_core.errors import DocumentError
 
 from .clocks import Clock
-from .rig import View
+from .rig import PinholeCamera
 from .scenario import Scenario
 
 SCHEMA = "mcsl.truth/1"
@@ -40,8 +40,8 @@ class PoseTruth:
     field_points_px: NDArray
     """(cameras, N, 2): the truth's ``field_points_mm`` in each camera."""
 
-    def view(self, camera: int) -> View:
-        return View(self.K[camera], self.R[camera], self.t[camera])
+    def pinhole(self, camera: int) -> PinholeCamera:
+        return PinholeCamera(self.K[camera], self.R[camera], self.t[camera])
 
 
 @attrs.frozen(eq=False, kw_only=True)

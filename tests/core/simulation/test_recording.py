@@ -248,8 +248,8 @@ def test_the_truth_comes_back(quiet):
         assert getattr(loaded, name) == getattr(truth, name), name
     assert loaded.best_plane_error_px == truth.best_plane_error_px
     assert [p.range for p in loaded.poses] == [p.range for p in truth.poses]
-    view = loaded.poses[1].view(2)
-    assert np.allclose(view.project(loaded.field_points_mm), truth.poses[1].field_points_px[2])
+    pinhole = loaded.poses[1].pinhole(2)
+    assert np.allclose(pinhole.project(loaded.field_points_mm), truth.poses[1].field_points_px[2])
     assert np.array_equal(loaded.visible_field, truth.visible_field)
     assert load_truth(out).frames == truth.frames
 

@@ -77,7 +77,7 @@ class Cast:
 
 
 @attrs.frozen(eq=False)
-class Play:
+class Scene:
     """The whole operation: what happens, and who plays in it."""
 
     scenario: Scenario
@@ -90,7 +90,7 @@ class Play:
     progression: Progression
 
     @classmethod
-    def of(cls, scenario: Scenario) -> Play:
+    def of(cls, scenario: Scenario) -> Scene:
         surface = Surface.of(scenario)
         rig = Rig.of(scenario)
         path = lamp_path(scenario)
