@@ -1,4 +1,4 @@
-"""Films a scenario: one video file a camera, side by side in threads, and the truth about them."""
+"""Simulating a recording: one video file a camera, side by side in threads, and the truth about them."""
 
 from __future__ import annotations
 
@@ -21,13 +21,41 @@ from .scenario import Scenario
 from .scene import Scene
 from .schedule import movement_frames
 from .sound import RATE, Microphone, Room
-from .truth import PoseTruth, Truth, _best_plane, _rms, own_frame, save_truth, transfer
+from .truth import PoseTruth, Truth, fit_homography, own_frame, rms_distance, save_truth, transfer
 
 
 def simulate(scenario: Scenario, out: Path, progress: Progress) -> Truth:
-    """Writes cam1.mp4, cam2.mp4, ... and truth.json with truth.npz into the folder ``out``, which is made if need be.
+    """Simulates a recording and the truth about it.
 
-    Files of an earlier simulation there are replaced. Nothing half-written is left when it fails or is stopped.
+    Parameters
+    ----------
+    scenario
+        What is to be filmed.
+    out
+        The folder for cam1.mp4, cam2.mp4, ... and truth.json with truth.npz; made if need be. Files of an earlier
+        simulation there are replaced.
+    progress
+        Told of the frames.
+
+    Returns
+    -------
+    Truth
+        As `load_truth` reads it from ``out``.
+
+    Raises
+    ------
+    InputError
+        Where ``out`` cannot be written to.
+
+    Notes
+    -----
+    The same scenario makes the same files. Nothing half-written is left when it fails or is stopped.
+
+    Examples
+    --------
+    >>> truth = simulate(Scenario(seed=1, duration_s=60), Path("recording"), Silent())  # doctest: +SKIP
+    >>> truth.movements  # doctest: +SKIP
+    ((711, 820),)
     """
     out = Path(out)
     progress.stage("scene")
@@ -51,18 +79,25 @@ def simulate(scenario: Scenario, out: Path, progress: Progress) -> Truth:
 
 
 class Filming:
-    """All cameras at work at once; OpenCV and the encoder leave Python's lock alone while they work."""
+    """All cameras filming at once, in threads: OpenCV and the encoder release Python's lock while they work."""
 
-    def __init__(self, scene: Scene, ground: Ground, room: Room | None, times, counts, out: Path) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        ground: Ground,
+        room: Room | None,
+        times: tuple[Clock, ...],
+        counts: tuple[int, ...],
+        out: Path,
+    ) -> None:
         self._scene, self._ground, self._room = scene, ground, room
-        self._times: tuple[Clock, ...] = times
-        self._counts: tuple[int, ...] = counts
+        self._times, self._counts = times, counts
         self._files = [out / f"{name}.mp4" for name in scene.scenario.camera_names]
         self._done = [0] * len(counts)
         self._stop = threading.Event()
 
     def run(self, progress: Progress) -> list[NDArray]:
-        """Per camera, (own frames, 2) visible fractions: all things counted, and without hands."""
+        """Per camera (own frames, 2): visible fractions of the field, everything counted, and without hands."""
         cameras = range(len(self._counts))
         finished = False
         with ThreadPoolExecutor(len(cameras)) as pool:
@@ -87,7 +122,7 @@ class Filming:
     def _camera(self, camera: int) -> NDArray:
         scenario = self._scene.scenario
         pictures = CameraPictures(self._scene, self._ground, camera, self._times[camera])
-        ear = Microphone(self._room, scenario, camera, self._times[camera]) if self._room else None
+        microphone = Microphone(self._room, scenario, camera, self._times[camera]) if self._room else None
         visible = np.zeros((self._counts[camera], 2))
         rate = scenario.rate
         heard, length = 0, round(self._counts[camera] / rate * RATE)
@@ -98,14 +133,14 @@ class Filming:
             # Cameras place keyframes by the clock, not where a head comes in.
             encoding=Encoding(options={"preset": "superfast", "crf": str(scenario.crf), "sc_threshold": "0"}),
             keyframe_interval=max(1, round(Fraction(scenario.keyframe_s) * rate)),
-            audio_rate=RATE if ear else None,
+            audio_rate=RATE if microphone else None,
         ) as writer:
             for k in range(self._counts[camera]):
                 if self._stop.is_set():
                     raise Cancelled
-                if ear and heard <= k / rate * RATE and heard < length:
+                if microphone and heard <= k / rate * RATE and heard < length:
                     piece = min(RATE, length - heard)
-                    writer.write_audio(ear.read(piece))
+                    writer.write_audio(microphone.read(piece))
                     heard += piece
                 planes, visible[k] = pictures.frame(k)
                 writer.write(planes)
@@ -138,7 +173,11 @@ def _truth(scene: Scene, times: tuple[Clock, ...], counts: tuple[int, ...], visi
             )
         )
         errors.append(
-            {name: _rms(transfer(_best_plane(px[c], px[0]), px[c]), px[0]) for c, name in enumerate(names) if c}
+            {
+                name: rms_distance(transfer(fit_homography(px[c], px[0]), px[c]), px[0])
+                for c, name in enumerate(names)
+                if c
+            }
         )
     return Truth(
         scenario=scenario,

@@ -1,4 +1,4 @@
-"""The scene without people, as wide as one likes: what a filled programme is held against."""
+"""The scene without people, as wide as one likes: what a filled programme is compared with."""
 
 from __future__ import annotations
 
@@ -31,8 +31,10 @@ class UnoccludedScene:
         self._backdrop = Backdrop(scene, Ground.of(scenario, scene.surface, scene.rig), 0, gains)
 
     def at(self, t: float, offset: tuple[float, float] = (0.0, 0.0)) -> Planes:
-        """At programme time ``t`` in seconds; what the camera has at pixel p lies at p + ``offset``."""
+        """The picture at programme time ``t`` in seconds; what the camera has at pixel p lies at p + ``offset``."""
         shift = np.array([[1.0, 0, offset[0]], [0, 1.0, offset[1]], [0, 0, 1]])
-        picture = self._backdrop.seen(t, PinholeCamera(shift @ self._pinhole.K, self._pinhole.R, self._pinhole.t))
+        picture = self._backdrop.picture_from(
+            t, PinholeCamera(shift @ self._pinhole.K, self._pinhole.R, self._pinhole.t)
+        )
         luma = cv2.multiply(picture.y, vignette(self._size, self._corner, offset), scale=1 / 255)
         return Picture(luma, picture.u, picture.v).planes()
