@@ -39,7 +39,7 @@ def _plane(_: object, attribute: object, value: U8) -> None:
 
 @frozen(eq=False)
 class Planes:
-    """One picture as 4:2:0 planes, uint8. Treat as read-only: planes are often views of a decoder's memory.
+    """One picture as 4:2:0 planes, uint8. Treat as read-only: planes often share a decoder's memory.
 
     Attributes
     ----------

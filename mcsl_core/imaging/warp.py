@@ -105,7 +105,7 @@ def _limited(warped: U8, plane: U8, index: int) -> U8:
 
 
 def footprint(size: tuple[int, int], matrix: Homography, programme: tuple[int, int]) -> U8:
-    """The part of the programme that a camera's picture covers, whatever it shows there.
+    """The part of the programme over which a camera's picture extends, whatever it shows there.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 REST_FRAMES = 5  # frames whose median is the template at rest: a hand that passes is not in it
 REST_STRIDE = 3  # of the first frames every third is taken for it
 LEAST_SHARE = 0.1  # of patches found again for a camera to count; once it has moved on, 0.00 to 0.05 are found
-LEAST_BACKGROUND_SHARE = 0.2  # the same of background patches, of which heads cover fewer and chance finds up to 0.15
+LEAST_BACKGROUND_SHARE = 0.2  # the same of background patches, of which heads occlude some and chance finds up to 0.15
 LOST_FRAMES = 6
 LOST_SAMPLES = 3
 AT_REST_PX = 0.1  # the median over all cameras up to which none has moved: between samples the error is 0.05
@@ -38,7 +38,7 @@ MAX_FITTED_PX = 1.3  # the curve is fitted up to here: beyond, patches are lost 
 
 @frozen(eq=False)
 class CloseSampling:
-    """Dense sampling in time about one boundary of a movement.
+    """Close sampling in time about one boundary of a movement.
 
     Attributes
     ----------

@@ -1,7 +1,7 @@
 """People over the table as sprites: gloved hands with instruments, sleeves, heads in caps, shoulders in gowns.
 
 Each sprite lies on its own plane: a hand's origin is the tip of its instrument and its wrist lies at -x; a sleeve
-begins at the wrist and leads to -x; a head looks along +x from its origin. Lengths in mm, made by solids.py.
+begins at the wrist and leads to -x; a head faces +x from its origin. Lengths in mm, made by solids.py.
 """
 
 from __future__ import annotations
@@ -154,7 +154,7 @@ def head(scenario: Scenario, person: int, pitch: float) -> Sprite:
 
 
 def shoulders(scenario: Scenario, person: int, pitch: float) -> Sprite:
-    """A gown from above, looking along +x; the neck is at the origin, the back leads away from the table."""
+    """A gown from above, facing +x; the neck is at the origin, the back leads away from the table."""
     rng = scenario.stream("shoulders", person)
     blue, green, red = GOWNS[scenario.drape]
     clay = Clay(-330, -270, 120, 270, pitch)

@@ -130,7 +130,7 @@ class Filming:
             self._files[camera],
             size=scenario.size,
             rate=rate,
-            # Cameras place keyframes by the clock, not where a head comes in.
+            # Cameras set keyframes by the clock, not where a head comes in.
             encoding=Encoding(options={"preset": "superfast", "crf": str(scenario.crf), "sc_threshold": "0"}),
             keyframe_interval=max(1, round(Fraction(scenario.keyframe_s) * rate)),
             audio_rate=RATE if microphone else None,

@@ -1,7 +1,7 @@
 """Skin, wound and blood of the surgical field.
 
 Works on a cut-out of the table's map around the field; colours BGR 0..1, heights mm. Hues stay in OpenCV's 0..30 and
-150..179, which is where the paper looks for a field; pen marks and veins alone leave it.
+150..179, which is where the paper finds a field; pen marks and veins alone leave it.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Tissue:
     bleed: NDArray
 
     def with_blood(self, level: float, specks: np.random.Generator) -> tuple[NDArray, NDArray]:
-        """Colour and wetness when everything above ``level`` is covered with blood."""
+        """Colour and wetness when everything above ``level`` is bloody."""
         film = smoothstep(level - 0.28, level + 0.1, self.bleed)
         thick = smoothstep(level + 0.1, level + 0.8, self.bleed)
         colour = mix(self.colour, BLOOD, 0.82 * film)
@@ -106,14 +106,14 @@ def _skin(scenario: Scenario, site: Site, depth: NDArray, pitch: float) -> tuple
 def _with_hair(rng: np.random.Generator, colour: NDArray, base: NDArray, pitch: float) -> NDArray:
     """``colour`` with moles and hair."""
     shape = colour.shape[:2]
-    spots = np.zeros(shape, np.uint8)
+    moles = np.zeros(shape, np.uint8)
     hair = np.zeros(shape, np.uint8)
     half = (shape[1] - 1) / 2
     for _ in range(int(rng.integers(6, 36))):
         at = rng.uniform(-110, 110, 2) / pitch + half
         radius = rng.uniform(0.4, 1.3) / pitch
-        cv2.circle(spots, tuple(int(c * 16) for c in at), int(radius * 16), int(rng.integers(70, 220)), -1, 16, 4)
-    colour = mix(colour, base * bgr(0.35, 0.42, 0.55), spots / np.float32(255))
+        cv2.circle(moles, tuple(int(c * 16) for c in at), int(radius * 16), int(rng.integers(70, 220)), -1, 16, 4)
+    colour = mix(colour, base * bgr(0.35, 0.42, 0.55), moles / np.float32(255))
     lie = rng.uniform(0, 6.28)
     for _ in range(int(rng.integers(60, 420))):
         at, turn = rng.uniform(-110, 110, 2), lie + rng.normal(0, 0.45)

@@ -81,19 +81,19 @@ def test_a_shake_that_comes_back_between_two_samples_is_not_seen(tmp_path) -> No
 
 @pytest.mark.slow
 def test_one_frozen_camera_does_not_hide_a_movement(tmp_path) -> None:
-    found, rate = detected(tmp_path, eased(8, 2), seconds=18, frozen=[1])
+    found, rate = detected(tmp_path, eased(8, 2), seconds=18, frozen_cameras=[1])
     check(found, rate, [(8, 10)])
 
 
 @pytest.mark.slow
 def test_a_movement_while_one_camera_has_no_picture_is_found_once(tmp_path) -> None:
-    found, rate = detected(tmp_path, eased(8, 2), seconds=18, blind=[2])
+    found, rate = detected(tmp_path, eased(8, 2), seconds=18, blind_cameras=[2])
     check(found, rate, [(8, 10)])
 
 
 @pytest.mark.slow
 def test_a_movement_while_no_camera_has_a_picture_is_found(tmp_path) -> None:
-    found, rate = detected(tmp_path, eased(8, 2), seconds=18, blind=[0, 1, 2])
+    found, rate = detected(tmp_path, eased(8, 2), seconds=18, blind_cameras=[0, 1, 2])
     assert len(found.movements) == 1
     (movement,) = found.movements
     assert movement.range.start / rate < 10
