@@ -82,7 +82,7 @@ class EmptyRoom(Footage):
             for index, (name, clock) in enumerate(zip(truth.cameras, truth.clocks, strict=True))
         }
 
-    def reader(self, camera: str) -> _Empty:  # pyright: ignore[reportIncompatibleMethodOverride]
+    def player(self, camera: str) -> _Empty:  # pyright: ignore[reportIncompatibleMethodOverride]
         return _Empty(self, camera)
 
     def median(self, camera: str, frames: Sequence[int], within: FrameRange) -> Planes | None:

@@ -28,7 +28,7 @@ from mcsl_core.imaging.warp import (
     warp_field_maps,
     warp_planes,
 )
-from mcsl_core.recording.footage import CameraReader, Footage
+from mcsl_core.recording.footage import Footage, Player
 
 from .parallax import Parallax
 from .placement import programme_matrix
@@ -54,19 +54,19 @@ class CameraWarper:
         self._others: dict[tuple[int, str], tuple[str, ...]] = {}
         self._edges: dict[tuple[int, str], WarpField | None] = {}
         self._stack = ExitStack()
-        self._readers: dict[str, CameraReader] = {}
+        self._players: dict[str, Player] = {}
 
     def close(self) -> None:
         """Closes the decoders and forgets what was looked at; pictures handed out stay valid."""
-        self._readers.clear()
+        self._players.clear()
         self.patches, self._maps = Kept(), Kept()
         self._stack.close()
 
     def own_picture(self, camera: str, frame: int) -> Planes | None:
         """The camera's own picture at programme frame ``frame``, decoded once."""
-        if camera not in self._readers:
-            self._readers[camera] = self._stack.enter_context(closing(self.footage.reader(camera)))
-        return self._readers[camera].at(frame)
+        if camera not in self._players:
+            self._players[camera] = self._stack.enter_context(closing(self.footage.player(camera)))
+        return self._players[camera].at(frame)
 
     def median(self, camera: str, median_of: Sequence[int]) -> Planes | None:
         """The median of the camera's own pictures near ``median_of`` of one pose."""

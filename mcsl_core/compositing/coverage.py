@@ -25,7 +25,7 @@ from .parallax import Parallax
 _LIT, _DIM = 235, 126  # both bright: to the `reference` filler a dark pixel is a hole
 
 
-class _PlainReader:
+class _PlainPlayer:
     def __init__(self, footage: _PlainFootage, camera: str) -> None:
         self._footage, self._camera = footage, camera
 
@@ -52,8 +52,8 @@ class _PlainFootage(Footage):
         chroma = np.full((height // 2, width // 2), 128, np.uint8)
         return Planes(np.full((height, width), _LIT if camera == self.lit else _DIM, np.uint8), chroma, chroma)
 
-    def reader(self, camera: str) -> _PlainReader:  # pyright: ignore[reportIncompatibleMethodOverride]
-        return _PlainReader(self, camera)
+    def player(self, camera: str) -> _PlainPlayer:  # pyright: ignore[reportIncompatibleMethodOverride]
+        return _PlainPlayer(self, camera)
 
     def median(self, camera: str, frames: Sequence[int], within: FrameRange) -> Planes | None:
         return self.plain(camera) if any(has_picture(self, camera, frame) for frame in frames) else None

@@ -14,7 +14,7 @@ from mcsl_core.filling.protocol import Filler
 from mcsl_core.hooks.registry import filler_offer
 from mcsl_core.imaging.geometry import scaling
 from mcsl_core.imaging.planes import Planes
-from mcsl_core.recording.footage import CameraReader, Footage
+from mcsl_core.recording.footage import Footage, Player
 
 
 def reduced_size(size: tuple[int, int], width: int) -> tuple[int, int]:
@@ -80,27 +80,27 @@ class SharedFootage(Footage):
     def __init__(self, edl: Edl, base: Path, size: tuple[int, int]) -> None:
         small = reduced(edl, size)
         super().__init__(small.cameras, rate=edl.rate, frames=edl.frames, base=base)
-        self._readers: dict[str, _SharedReader] = {}
+        self._players: dict[str, _SharedPlayer] = {}
 
-    def reader(self, camera: str) -> _SharedReader:  # pyright: ignore[reportIncompatibleMethodOverride]
-        if camera not in self._readers:
-            self._readers[camera] = _SharedReader(super().reader(camera))
-        return self._readers[camera]
+    def player(self, camera: str) -> _SharedPlayer:  # pyright: ignore[reportIncompatibleMethodOverride]
+        if camera not in self._players:
+            self._players[camera] = _SharedPlayer(super().player(camera))
+        return self._players[camera]
 
     def close(self) -> None:
-        for reader in self._readers.values():
-            reader.end()
+        for player in self._players.values():
+            player.end()
 
 
-class _SharedReader:
-    def __init__(self, reader: CameraReader) -> None:
-        self._reader = reader
+class _SharedPlayer:
+    def __init__(self, player: Player) -> None:
+        self._player = player
 
     def at(self, frame: int) -> Planes | None:
-        return self._reader.at(frame)
+        return self._player.at(frame)
 
     def close(self) -> None:
         """A compositor has done with it; the others have not."""
 
     def end(self) -> None:
-        self._reader.close()
+        self._player.close()

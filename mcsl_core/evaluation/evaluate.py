@@ -278,7 +278,7 @@ class _Followed:
 
     def _shown(self, frame: int) -> _Shown:
         for camera in (self._decisions[frame].camera, self._edl.reference):
-            planes = self._footage.reader(camera).at(frame)
+            planes = self._footage.player(camera).at(frame)
             if planes is not None:
                 return _Shown(frame, camera, grey(planes))
         return _Shown(frame, self._edl.reference, None)

@@ -33,7 +33,7 @@ from .decoder import DecodedFrame, Decoder, Part, exact_camera_time
 _KEPT_MEDIANS, _KEPT_NEAR = 16, 40  # 3 MB each at 1080p
 
 
-class CameraReader:
+class Player:
     """One camera's full-size pictures by programme frame: cheap going forward, exact anywhere. For one thread."""
 
     def __init__(self, footage: Footage, camera: str, decoder: Decoder) -> None:
@@ -129,9 +129,9 @@ class Footage:
         """Whether programme frame ``frame`` lies in one of the camera's gaps, where it has no picture."""
         return any(frame in gap for gap in self.camera(camera).gaps)
 
-    def reader(self, camera: str) -> CameraReader:
+    def player(self, camera: str) -> Player:
         """Full-size pictures of ``camera`` one at a time; close it when done."""
-        return CameraReader(self, camera, Decoder(self.parts(camera), threads=self._threads))
+        return Player(self, camera, Decoder(self.parts(camera), threads=self._threads))
 
     def median(self, camera: str, frames: Sequence[int], within: FrameRange) -> Planes | None:
         """The median of full-size pictures of ``camera`` near ``frames``: what lies still. None without any picture.
@@ -188,9 +188,9 @@ class Footage:
             One for each programme frame, of the camera's size; None without picture. Consecutive frames that show one
             picture are one object. Treat as read-only: they are the decoder's memory.
         """
-        with closing(self.reader(camera)) as reader:
+        with closing(self.player(camera)) as player:
             for frame in piece:
-                yield reader.at(frame)
+                yield player.at(frame)
 
     def pictures(
         self, camera: str, frames: Sequence[int], *, height: int | None = None

@@ -206,9 +206,9 @@ class Counting(Footage):
         super().__init__(*arguments, **options)
         self.played = []
 
-    def reader(self, camera):
+    def player(self, camera):
         self.played.append(camera)
-        return super().reader(camera)
+        return super().player(camera)
 
 
 def test_a_steady_second_decodes_two_cameras(tmp_path):
