@@ -37,7 +37,8 @@ def paint_drapes(scenario: Scenario, site: Site, grid: Grid) -> tuple[NDArray, N
     # The sheet lies over the towels from ``width`` outwards: they need painting up to there only.
     reach = min(round((float(site.towels[:, 2].max()) * 1.35 + width + 30) / pitch), shape[0] // 2)
     middle = shape[0] // 2
-    cut = (slice(middle - reach, middle + reach + 1),) * 2
+    span = slice(middle - reach, middle + reach + 1)
+    cut = (span, span)
     inner = grid.part(cut)
     for n in (int(n) for n in site.order):
         nx, ny = float(site.towels[n, 0]), float(site.towels[n, 1])
