@@ -118,7 +118,8 @@ def look(folder: Path, name: str) -> Looked:
     if not kept.exists():
         solved = [_solved(piece, samples, movements, footage, truth) for piece in pose_ranges(movements, truth.frames)]
         at = [
-            [s.at[c] for c in samples.cameras] for s in sample_cameras(footage, samples.cameras, step_s=1.0, height=16)
+            [s.shown_frames[c] for c in samples.cameras]
+            for s in sample_cameras(footage, samples.cameras, step_s=1.0, height=16)
         ]
         np.savez_compressed(kept, at=np.array(at), **POSES.pack(solved))  # pyright: ignore[reportArgumentType]
     with np.load(kept) as stored:

@@ -44,7 +44,7 @@ from mcsl_core.recording.footage import Footage
 from mcsl_core.simulation import Truth, load_truth
 from mcsl_core.simulation.ground import Ground
 from mcsl_core.simulation.render import CameraPictures
-from mcsl_core.simulation.staging import Play
+from mcsl_core.simulation.scene import Scene
 from mcsl_core.simulation.unoccluded import UnoccludedScene
 from mcsl_core.timing import FrameRange
 
@@ -74,11 +74,11 @@ class EmptyRoom(Footage):
 
     def __init__(self, programme: edl.Edl, base: Path, truth: Truth) -> None:
         super().__init__(programme.cameras, rate=programme.rate, frames=programme.frames, base=base)
-        play = Play.of(attrs.evolve(truth.scenario, heads=0, hands=0))
-        ground = Ground.of(play.scenario, play.surface, play.rig)
+        simulated = Scene.of(attrs.evolve(truth.scenario, heads=0, hands=0))
+        ground = Ground.of(simulated.scenario, simulated.surface, simulated.rig)
         self._truth = truth
         self._pictures = {
-            name: CameraPictures(play, ground, index, clock)
+            name: CameraPictures(simulated, ground, index, clock)
             for index, (name, clock) in enumerate(zip(truth.cameras, truth.clocks, strict=True))
         }
 

@@ -15,8 +15,8 @@ from mcsl_core.simulation.clocks import clocks
 from mcsl_core.simulation.ground import Ground
 from mcsl_core.simulation.layers import Box, Overlay, Picture
 from mcsl_core.simulation.render import CameraPictures
-from mcsl_core.simulation.rig import View
-from mcsl_core.simulation.staging import Placement, Play
+from mcsl_core.simulation.rig import PinholeCamera
+from mcsl_core.simulation.scene import Placement, Scene
 
 EDGE_PX = 2  # nobody paints up to the very edge
 
@@ -27,17 +27,17 @@ class Painter(CameraPictures):
     @staticmethod
     @lru_cache(maxsize=5)
     def of(scenario: Scenario, camera: int) -> Painter:
-        play, ground = _staged(scenario)
-        return Painter(play, ground, camera, clocks(scenario)[camera])
+        simulated, ground = _staged(scenario)
+        return Painter(simulated, ground, camera, clocks(scenario)[camera])
 
     def labels(self, own_frame: int, shape: tuple[int, int]) -> NDArray[np.int8]:
         """(h, w) of the camera's own frame at that size: the index into `CLASSES`, -1 near edges."""
         width, height = self._size
         self._hidden = np.zeros((height, width), np.uint8)
         self.frame(own_frame)
-        t = self._clock.programme(own_frame / float(self._play.scenario.rate))
-        _, view = self._backdrop.at(t)
-        points = np.rint(view.project(self._play.surface.dense_points_mm)).astype(int)
+        t = self._clock.programme(own_frame / float(self._scene.scenario.rate))
+        _, pinhole = self._backdrop.at(t)
+        points = np.rint(pinhole.project(self._scene.surface.visibility_points_mm)).astype(int)
         points = points[((points >= 0) & (points < self._size)).all(axis=1)]
         field = np.zeros((height, width), np.uint8)
         field[points[:, 1], points[:, 0]] = 1
@@ -54,8 +54,10 @@ class Painter(CameraPictures):
         plain &= ~(rim & (labels == CLASSES.index("elsewhere")))
         return np.where(plain, labels.astype(np.int8), np.int8(-1))
 
-    def _draw(self, target: Picture | Overlay, placement: Placement, view: View) -> tuple[Box, NDArray] | None:
-        drawn = super()._draw(target, placement, view)
+    def _draw(
+        self, target: Picture | Overlay, placement: Placement, pinhole: PinholeCamera
+    ) -> tuple[Box, NDArray] | None:
+        drawn = super()._draw(target, placement, pinhole)
         if drawn is not None:
             (x0, y0, _, _), alpha = drawn
             scale = target.scale if isinstance(target, Overlay) else 1
@@ -66,6 +68,6 @@ class Painter(CameraPictures):
 
 
 @lru_cache(maxsize=1)
-def _staged(scenario: Scenario) -> tuple[Play, Ground]:
-    play = Play.of(scenario)
-    return play, Ground.of(scenario, play.surface, play.rig)
+def _staged(scenario: Scenario) -> tuple[Scene, Ground]:
+    simulated = Scene.of(scenario)
+    return simulated, Ground.of(scenario, simulated.surface, simulated.rig)

@@ -65,7 +65,7 @@ def has_picture(footage: Footage, camera: str, frame: int) -> bool:
         return False
     time = footage.camera_time(camera, frame)
     part = part_at(footage.parts(camera), time)
-    return part is not None and part.local(time) is not None
+    return part is not None and part.file_time(time) is not None
 
 
 class Coverage:

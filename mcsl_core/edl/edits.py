@@ -1,4 +1,4 @@
-"""Changes to a whole EDL: decisions carried over to a new analysis, looks switched, media paths rebased."""
+"""Changes to a whole EDL: decisions carried over to a new analysis, the look switched, media paths rebased."""
 
 from __future__ import annotations
 
@@ -16,8 +16,11 @@ from .schema import Edl, Override
 def carry_over(old: Edl, new: Edl) -> Edl:
     """``new`` (a fresh analysis) with the editor's decisions of ``old``: overrides, corrections and look.
 
-    Raises DocumentError where that cannot be: the rate is another (the same frame numbers would be other moments),
-    an override names a camera that is gone, or one reaches past the new end.
+    Raises
+    ------
+    DocumentError
+        Where the rate differs (the same frame numbers would be other times), an override names a camera that is gone,
+        or one reaches past the new end.
     """
     names = {c.name for c in new.cameras}
     decided = [(f"overrides[{i}]", o.camera, o.range) for i, o in enumerate(old.overrides)]
@@ -50,10 +53,18 @@ def change_look(
     offset: tuple[float, float] | None = None,
     piece: FrameRange | None = None,
 ) -> Edl:
-    """``edl`` with the aids given switched over ``piece``, everything else as it was.
+    """``edl`` with the given aids switched, everything else as it was.
 
-    Without ``piece`` the whole programme's look is switched, and overrides of stretches stay. ``offset``: centering by
-    hand, programme pixels; that is an override also over the whole.
+    Parameters
+    ----------
+    edl
+        The document.
+    centering, fill, colour
+        On or off; as it was without.
+    offset
+        Centering by hand, (dx, dy) in programme pixels: an override, also over the whole programme.
+    piece
+        Where it holds, as an override; without, the whole programme's look is switched and overrides stay.
     """
     aids = {n: v for n, v in (("centering", centering), ("fill", fill), ("colour", colour)) if v is not None}
     if not aids and offset is None:
@@ -67,7 +78,7 @@ def change_look(
 
 
 def rebased(edl: Edl, old: Path, new: Path) -> Edl:
-    """``edl`` with its relative paths, which counted from ``old``, counting from ``new``."""
+    """``edl`` with its relative paths, which counted from the folder ``old``, counting from the folder ``new``."""
     old, new = old.resolve(), new.resolve()
     if old == new:
         return edl

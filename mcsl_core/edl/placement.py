@@ -1,4 +1,4 @@
-"""Where a camera's picture lies in the programme: homography, anchor correction by hand, still ranges.
+"""Placement: where a camera's picture lies in the programme. Homography, anchor, correction by hand, still ranges.
 
 Plain tuples, no numpy: Blender's side uses it too. Conventions as in `edl.schema`.
 """
@@ -19,7 +19,7 @@ def multiply(a: Matrix, b: Matrix) -> Matrix:
 def correction_of(edl: Edl, pose: Pose, camera: str) -> Matrix | None:
     """The correction by hand that holds for ``camera`` in ``pose``, programme pixel -> programme pixel, or None.
 
-    It is the last in the list that covers more than half of the pose: a new analysis may move the pose's ends.
+    It is the last in the list that holds over more than half of the pose: a new analysis may move the pose's ends.
     """
     for correction in reversed(edl.corrections):
         shared = correction.range.intersection(pose.range)
@@ -31,7 +31,7 @@ def correction_of(edl: Edl, pose: Pose, camera: str) -> Matrix | None:
 def placement_matrix(edl: Edl, pose: Pose, camera: str) -> Matrix | None:
     """Camera pixel -> programme pixel in ``pose`` before centering: correction @ anchor @ homography.
 
-    None for a camera that nothing is known of: a weak one that nobody has placed by hand.
+    None where nothing is known: for a weak camera that nobody has corrected by hand.
     """
     homography = pose.homographies.get(camera)
     correction = correction_of(edl, pose, camera)
@@ -45,16 +45,21 @@ def placement_matrix(edl: Edl, pose: Pose, camera: str) -> Matrix | None:
 
 
 def fit_matrix(size: tuple[int, int], to: tuple[int, int]) -> Matrix:
-    """Fits a picture of ``size`` (width, height) into one of size ``to``.
+    """Pixel of a picture of ``size`` (width, height) -> pixel of one of size ``to`` that it is stretched to.
 
-    Edges, not centres, coincide: pixel x covers [x - 0.5, x + 0.5).
+    Edges, not centres, coincide: pixel x spans [x - 0.5, x + 0.5).
+
+    Examples
+    --------
+    >>> fit_matrix((100, 100), (200, 200))[0]
+    (2.0, 0.0, 0.5)
     """
     x, y = to[0] / size[0], to[1] / size[1]
     return (x, 0.0, (x - 1) / 2), (0.0, y, (y - 1) / 2), (0.0, 0.0, 1.0)
 
 
 def still_range(edl: Edl, pose: Pose) -> FrameRange:
-    """The stretch of ``pose`` in which the lamp stands still; all of it where it never does."""
+    """The frames of ``pose`` in which the lamp stands still; all of them where it never does."""
     start, stop = pose.range.start, pose.range.stop
     for movement in edl.movements:
         if start in movement.range:
@@ -71,9 +76,9 @@ def other_poses(edl: Edl, pose_index: int) -> tuple[int, ...]:
 
 
 def first_of_perspective(edl: Edl, pose_index: int) -> int:
-    """The first pose of that pose's perspective with a known place for the reference camera; the pose itself without.
+    """The first pose of that pose's perspective with a placement of the reference camera; the pose itself without.
 
-    The perspective is that camera's there: what lies off the plane lies right in its picture, and beside it elsewhere.
+    The perspective is that camera's in it: what lies off the plane is right in its picture, and displaced in others.
     """
     pose = edl.poses[pose_index]
     same = (i for i, other in enumerate(edl.poses) if other.perspective == pose.perspective)

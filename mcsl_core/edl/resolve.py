@@ -16,54 +16,76 @@ from mcsl_core.timing import FrameRange, cut_points, merge_equal
 
 from .schema import CenteringKey, Edl
 
-
-def resolve_by_pose(edl: Edl) -> tuple[tuple[FrameRange, Decision, int], ...]:
-    """What the viewer gets, cut also where poses meet: range, decision, pose index. They tile [0, frames)."""
-    found, pose_index = [], 0
-    for piece, decision in resolve(edl):
-        while edl.poses[pose_index].range.stop <= piece.start:
-            pose_index += 1
-        for at in range(pose_index, len(edl.poses)):
-            part = piece.intersection(edl.poses[at].range)
-            if part is None:
-                break
-            found.append((part, decision, at))
-    return tuple(found)
-
-
 # No more than this may the centering's speed change from one frame to the next, as a share of the picture's width: 0.77
 # pixels a frame at 1920. A shift of a tenth of the width then takes five seconds at 25 frames/s as keys, two by hand.
 ACCELERATION = 4e-4
 EASE_S = 2.0  # a change of the centering takes at least this long
 
+Centering = tuple[bool, tuple[float, float] | None]  # on or off, and the offset by hand
+
 
 @frozen
 class Ease:
-    """Frames over which centering by hand takes over from what stands beside it, or gives way to that again."""
+    """Frames over which centering by hand takes over from its neighbour's, or gives way to that again.
+
+    Attributes
+    ----------
+    range
+        The frames.
+    rises
+        Whether the centering by hand sets in; else it gives way.
+    other
+        The neighbour's offset (dx, dy) in programme pixels; None for the automatic centering.
+    """
 
     range: FrameRange
-    rises: bool  # the centering by hand sets in; else it gives way
-    other: tuple[float, float] | None  # what stands beside it: an offset, or None for the automatic centering
+    rises: bool
+    other: tuple[float, float] | None
 
 
 @frozen
 class Decision:
-    """What the viewer gets over a stretch, after the overrides."""
+    """What the viewer gets over a range of frames, after the overrides.
+
+    Attributes
+    ----------
+    camera
+        Whose picture.
+    centering, fill, colour
+        The look.
+    overridden
+        Whether an override says any of it.
+    offset
+        Centering by hand, (dx, dy) in programme pixels.
+    eases
+        Of the centering by hand, where it begins or ends without a cut.
+    """
 
     camera: str
     centering: bool
     fill: bool
     colour: bool
     overridden: bool
-    offset: tuple[float, float] | None = None  # centering by hand, programme pixels
-    eases: tuple[Ease, ...] = ()  # of the centering by hand, where it begins or ends without a cut
+    offset: tuple[float, float] | None = None
+    eases: tuple[Ease, ...] = ()
 
 
 def resolve(edl: Edl) -> tuple[tuple[FrameRange, Decision], ...]:
-    """The effective shots and looks: the analysis below, overrides on top. The ranges tile [0, frames).
+    """The effective shots and look: the analysis below, overrides on top.
 
-    Neighbours with the same decision are one stretch. Cost grows with shots plus overrides, times the overrides
-    that hold at one moment.
+    Returns
+    -------
+    tuple
+        (range, decision); the ranges tile [0, frames), and neighbours with the same decision are one.
+
+    Notes
+    -----
+    Cost grows with shots plus overrides, times the overrides that hold at one frame.
+
+    Examples
+    --------
+    >>> for piece, decision in resolve(load("edl.json")):  # doctest: +SKIP
+    ...     print(piece, decision.camera)
     """
     points = cut_points(edl.frames, [s.range for s in edl.shots] + [o.range for o in edl.overrides])
     pieces: list[tuple[FrameRange, Decision]] = []
@@ -79,58 +101,25 @@ def resolve(edl: Edl) -> tuple[tuple[FrameRange, Decision], ...]:
         holding = sorted([i for i in holding if start in edl.overrides[i].range] + beginning.get(start, []))
         decision = Decision(shot.camera, edl.look.centering, edl.look.fill, edl.look.colour, overridden=False)
         for override in (edl.overrides[i] for i in holding):
-            given = {
-                name: value
-                for name in ("camera", "centering", "fill", "colour", "offset")
-                if (value := getattr(override, name)) is not None
-            }
+            fields = {name: getattr(override, name) for name in ("camera", "centering", "fill", "colour", "offset")}
+            given = {name: value for name, value in fields.items() if value is not None}
             decision = attrs.evolve(decision, **given, overridden=decision.overridden or bool(given))
         pieces.append((FrameRange(start, stop), decision))
     return tuple(_eased(edl, merge_equal(pieces)))
 
 
-def _eased(edl: Edl, pieces: list[tuple[FrameRange, Decision]]) -> list[tuple[FrameRange, Decision]]:
-    """Each stretch centred by hand with its eases: over its ends, inside it, where neither camera nor pose changes."""
-    shifts = merge_equal([(piece, (d.centering, d.offset)) for piece, d in pieces])
-    if all(offset is None for _, (_, offset) in shifts):
-        return pieces
-    cuts = {pose.range.start for pose in edl.poses}
-    cuts |= {b.start for (_, a), (b, now) in pairwise(pieces) if a.camera != now.camera}
-    eases: dict[int, tuple[Ease, ...]] = {}
-    for i, (piece, (on, offset)) in enumerate(shifts):
-        if not on or offset is None:
-            continue
-        sets_in = i > 0 and piece.start not in cuts
-        # Between two stretches by hand the later one eases; what follows with the automatic centering or none does not.
-        gives_way = i + 1 < len(shifts) and piece.stop not in cuts and not _by_hand(shifts[i + 1][1])
-        room = len(piece) // (2 if sets_in and gives_way else 1)
-        found = []
-        for there, rises, beside in ((sets_in, True, i - 1), (gives_way, False, i + 1)):
-            if there:
-                on_there, other = shifts[beside][1]
-                other = other if on_there else (0.0, 0.0)
-                edge = piece.start if rises else piece.stop
-                x, y = offset_at(edl.centering, edge) if other is None else other
-                way = max(abs(x - offset[0]), abs(y - offset[1]))
-                # A smooth step of T frames speeds up by 6 / T**2 of its way a frame, at most.
-                frames = min(room, ceil(max(EASE_S * edl.rate, sqrt(6 * way / (ACCELERATION * edl.size[0])))))
-                if frames:
-                    span = FrameRange(edge, edge + frames) if rises else FrameRange(edge - frames, edge)
-                    found.append(Ease(span, rises, other))
-        eases[piece.start] = tuple(found)
-    starts = sorted(eases)
-    return [
-        (piece, attrs.evolve(d, eases=eases[starts[bisect_right(starts, piece.start) - 1]]) if _hand(d) else d)
-        for piece, d in pieces
-    ]
-
-
-def _hand(decision: Decision) -> bool:
-    return _by_hand((decision.centering, decision.offset))
-
-
-def _by_hand(shift: tuple[bool, tuple[float, float] | None]) -> bool:
-    return shift[0] and shift[1] is not None
+def resolve_by_pose(edl: Edl) -> tuple[tuple[FrameRange, Decision, int], ...]:
+    """As `resolve`, cut also where poses meet: (range, decision, pose index). The ranges tile [0, frames)."""
+    found, pose_index = [], 0
+    for piece, decision in resolve(edl):
+        while edl.poses[pose_index].range.stop <= piece.start:
+            pose_index += 1
+        for at in range(pose_index, len(edl.poses)):
+            part = piece.intersection(edl.poses[at].range)
+            if part is None:
+                break
+            found.append((part, decision, at))
+    return tuple(found)
 
 
 def offset_at(keys: tuple[CenteringKey, ...], frame: float) -> tuple[float, float]:
@@ -162,3 +151,54 @@ def shift_at(edl: Edl, decision: Decision, frame: float) -> tuple[float, float]:
             a, b = offset_at(edl.centering, frame) if ease.other is None else ease.other
             x, y = a + part * (x - a), b + part * (y - b)
     return x, y
+
+
+def _eased(edl: Edl, pieces: list[tuple[FrameRange, Decision]]) -> list[tuple[FrameRange, Decision]]:
+    """Every range centred by hand with its eases: inside it, at its ends where neither camera nor pose changes."""
+    shifts = merge_equal([(piece, (d.centering, d.offset)) for piece, d in pieces])
+    if all(offset is None for _, (_, offset) in shifts):
+        return pieces
+    cuts = {pose.range.start for pose in edl.poses}
+    cuts |= {b.start for (_, a), (b, now) in pairwise(pieces) if a.camera != now.camera}
+    eases: dict[int, tuple[Ease, ...]] = {}
+    for i, (piece, (on, offset)) in enumerate(shifts):
+        if not on or offset is None:
+            continue
+        sets_in = i > 0 and piece.start not in cuts
+        # Between two ranges by hand the later one eases; what follows with the automatic centering or none does not.
+        gives_way = i + 1 < len(shifts) and piece.stop not in cuts and not _by_hand(shifts[i + 1][1])
+        room = len(piece) // (2 if sets_in and gives_way else 1)
+        found = []
+        if sets_in:
+            found.append(_ease(edl, shifts[i - 1][1], offset, piece.start, room, rises=True))
+        if gives_way:
+            found.append(_ease(edl, shifts[i + 1][1], offset, piece.stop, room, rises=False))
+        eases[piece.start] = tuple(ease for ease in found if ease is not None)
+    starts = sorted(eases)
+    return [
+        (piece, attrs.evolve(d, eases=eases[starts[bisect_right(starts, piece.start) - 1]]) if _hand(d) else d)
+        for piece, d in pieces
+    ]
+
+
+def _ease(
+    edl: Edl, beside: Centering, offset: tuple[float, float], edge: int, room: int, *, rises: bool
+) -> Ease | None:
+    """The ease between ``offset`` and the centering ``beside`` it, within ``room`` frames of ``edge``."""
+    other = beside[1] if beside[0] else (0.0, 0.0)
+    x, y = offset_at(edl.centering, edge) if other is None else other
+    way = max(abs(x - offset[0]), abs(y - offset[1]))
+    # A smooth step of T frames speeds up by 6 / T**2 of its way a frame, at most.
+    frames = min(room, ceil(max(EASE_S * edl.rate, sqrt(6 * way / (ACCELERATION * edl.size[0])))))
+    if not frames:
+        return None
+    return Ease(FrameRange(edge, edge + frames) if rises else FrameRange(edge - frames, edge), rises, other)
+
+
+def _hand(decision: Decision) -> bool:
+    return _by_hand((decision.centering, decision.offset))
+
+
+def _by_hand(centering: Centering) -> bool:
+    on, offset = centering
+    return on and offset is not None

@@ -1,4 +1,4 @@
-"""The edit-decision list: the one document between analysis, editor and renderer. Written out in docs/edl.md.
+"""The EDL's classes, frozen and checked when they are made. Written out in docs/edl.md.
 
 Conventions: ranges are half-open frame ranges on the programme clock; pixel centres lie at integers;
 homographies are 3x3 row-major, scaled so that the last element is 1, and act on full-size pixels.
@@ -14,12 +14,7 @@ import attrs
 from attrs import field, frozen
 from attrs.validators import optional
 
-from mcsl_core.documents import (
-    Bounds,
-    NotEmpty,
-    doc,
-    key_path,
-)
+from mcsl_core.documents import Bounds, NotEmpty, doc, key_path
 from mcsl_core.errors import Fault
 from mcsl_core.timing import FrameRange, check_tiles
 
@@ -28,8 +23,6 @@ Matrix34 = tuple[
     tuple[float, float, float, float], tuple[float, float, float, float], tuple[float, float, float, float]
 ]
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-
-
 UNIT = Bounds(0, 1)
 POSITIVE = Bounds(1)
 NOT_NEGATIVE = Bounds(0)
@@ -89,7 +82,7 @@ class Clock:
 
 @frozen
 class Camera:
-    """One view: its files, their size and rate, and how its clock stands to the programme's."""
+    """One camera: its files, their size and rate, and its clock against the programme's."""
 
     name: str = field(validator=NotEmpty(), metadata=doc("unique; used everywhere else in this document"))
     media: tuple[Media, ...] = field(validator=NotEmpty(), metadata=doc("played one after another"))
@@ -149,7 +142,7 @@ class Pose:
     support: Mapping[str, int] = field(
         factory=dict,
         validator=NOT_NEGATIVE,
-        metadata=doc("camera -> distinct places (4-pixel cells) its matches come from"),
+        metadata=doc("camera -> distinct 4-pixel cells its matches come from"),
     )
     weak: tuple[Weak, ...] = field(default=(), metadata=doc("cameras that could not be tied in, and why"))
 
@@ -160,6 +153,7 @@ class Pose:
 
     @property
     def weak_cameras(self) -> frozenset[str]:
+        """Names of the cameras that could not be tied in."""
         return frozenset(w.camera for w in self.weak)
 
 
@@ -192,7 +186,7 @@ class Override:
 
 @frozen
 class Correction:
-    """An editor's correction of where a camera's picture lies; it holds in the poses of which it covers most."""
+    """An editor's correction of where a camera's picture lies; it holds in the poses most of whose frames it spans."""
 
     range: FrameRange = field(metadata=doc("where it holds"))
     camera: str = field(metadata=doc("camera name"))
@@ -208,7 +202,7 @@ class Look:
     """The visual aids, each on or off for the whole programme."""
 
     centering: bool = field(default=True, metadata=doc("shift the surgical field to the middle"))
-    fill: bool = field(default=True, metadata=doc("fill pixels the warp leaves empty from other views"))
+    fill: bool = field(default=True, metadata=doc("fill pixels the warp leaves empty from other cameras"))
     colour: bool = field(default=True, metadata=doc("match each camera's colours to the reference camera"))
 
 
@@ -234,7 +228,7 @@ class Edl:
     size: tuple[int, int] = field(validator=POSITIVE, metadata=doc("programme width and height in pixels"))
     frames: int = field(validator=POSITIVE, metadata=doc("length of the programme"))
     reference: str = field(metadata=doc("the camera whose perspective the programme keeps"))
-    cameras: tuple[Camera, ...] = field(validator=NotEmpty(), metadata=doc("every view"))
+    cameras: tuple[Camera, ...] = field(validator=NotEmpty(), metadata=doc("every camera"))
     movements: tuple[Movement, ...] = field(default=(), metadata=doc("when the lamp moves, in order"))
     poses: tuple[Pose, ...] = field(
         metadata=doc(
@@ -293,9 +287,9 @@ class Edl:
             missing = [n for n in names if n not in pose.homographies and n not in pose.weak_cameras]
             _require(not missing, f"lacks {', '.join(missing)}, not weak either", f"{at}.homographies")
             own = pose.homographies.get(self.reference)
-            place = f"{at}.homographies{key_path(self.reference)}"
-            _require(own is not None, "the reference camera has no homography; it is the identity", place)
-            _require(own == IDENTITY, "the reference camera's own homography must be the identity", place)
+            own_path = f"{at}.homographies{key_path(self.reference)}"
+            _require(own is not None, "the reference camera has no homography; it is the identity", own_path)
+            _require(own == IDENTITY, "the reference camera's own homography must be the identity", own_path)
 
     def _check_decisions(self) -> None:
         check_tiles((s.range for s in self.shots), self.frames, "shots")
@@ -326,14 +320,26 @@ class Edl:
             last = piece.stop
 
     def camera(self, name: str) -> Camera:
-        """The camera of that name; KeyError when there is none."""
+        """The camera of that name.
+
+        Raises
+        ------
+        KeyError
+            Where there is none.
+        """
         for camera in self.cameras:
             if camera.name == name:
                 return camera
         raise KeyError(name)
 
     def pose_at(self, frame: int) -> Pose:
-        """The pose that programme frame ``frame`` lies in."""
+        """The pose that programme frame ``frame`` lies in.
+
+        Raises
+        ------
+        IndexError
+            Where it lies outside the programme.
+        """
         for pose in self.poses:
             if frame in pose.range:
                 return pose

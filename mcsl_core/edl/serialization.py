@@ -19,18 +19,26 @@ from mcsl_core.errors import DocumentError
 from .schema import Edl
 
 SCHEMA = "mcsl.edl/1"
-
-
-# ------------------------------------------------------------------------------------------ reading and writing
-
 _converter = make_converter()
-_UPGRADES: dict[
-    str, Callable[[dict[str, Any]], dict[str, Any]]
-] = {}  # schema -> function from its JSON value to the next schema's
+# schema -> function from its JSON value to the next schema's
+_UPGRADES: dict[str, Callable[[dict[str, Any]], dict[str, Any]]] = {}
 
 
 def from_json(value: Any, *, where: str = "") -> Edl:
-    """An EDL from its JSON value; DocumentError with the path to the wrong value and what was expected."""
+    """An EDL from its JSON value.
+
+    Parameters
+    ----------
+    value
+        As `json.loads` gives it.
+    where
+        What messages call the document: its path.
+
+    Raises
+    ------
+    DocumentError
+        With the path to the wrong value and what was expected.
+    """
     if not isinstance(value, dict):
         raise DocumentError("an EDL is a JSON object", where=where, remedy="Hand in the file that `mcsl analyse` wrote")
     value = dict(value)
@@ -67,10 +75,29 @@ def loads(text: str, *, where: str = "") -> Edl:
 
 
 def load(path: str | Path) -> Edl:
-    """Reads, upgrades and checks an EDL; InputError or DocumentError say what is wrong and where."""
+    """Reads, upgrades and checks an EDL.
+
+    Raises
+    ------
+    InputError
+        Where the file cannot be read.
+    DocumentError
+        With the path to the wrong value and what was expected.
+
+    Examples
+    --------
+    >>> edl = load("edl.json")  # doctest: +SKIP
+    >>> edl.frames, [camera.name for camera in edl.cameras]  # doctest: +SKIP
+    (178721, ['cam1', 'cam2', 'cam3'])
+    """
     return from_json(read_json(Path(path)), where=str(path))
 
 
 def save(edl: Edl, path: str | Path) -> None:
-    """Writes the canonical text atomically."""
+    """Writes the canonical text atomically: the file is the old one or the new one, never half of it.
+
+    Examples
+    --------
+    >>> save(attrs.evolve(edl, look=Look(fill=False)), "edl.json")  # doctest: +SKIP
+    """
     write_atomic(Path(path), dumps(edl).encode())

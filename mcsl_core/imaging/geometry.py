@@ -12,28 +12,45 @@ from mcsl_core.edl import Matrix
 from mcsl_core.edl.placement import fit_matrix
 
 Array = NDArray[np.float64]
+Homography = NDArray[np.float64]
 
 
-def transform_points(homography: Array, points: Array) -> Array:
-    """(N, 2) points moved by a 3x3 homography."""
+def transform_points(homography: Homography, points: Array) -> Array:
+    """Points mapped by a homography.
+
+    Parameters
+    ----------
+    homography
+        (3, 3).
+    points
+        (N, 2), x and y in pixels.
+
+    Returns
+    -------
+    Array
+        (N, 2), pixels of the target picture.
+
+    Examples
+    --------
+    >>> transform_points(translation(10, 0), np.array([[1.0, 2.0]])).tolist()
+    [[11.0, 2.0]]
+    """
     moved = points @ homography[:, :2].T + homography[:, 2]
     return moved[:, :2] / moved[:, 2:]
 
 
-Homography = NDArray[np.float64]
-
-
 def translation(dx: float, dy: float) -> Homography:
+    """(3, 3): a shift by ``dx``, ``dy`` pixels."""
     return np.array([[1.0, 0, dx], [0, 1.0, dy], [0, 0, 1]])
 
 
-def scaling(from_size: tuple[int, int], to_size: tuple[int, int]) -> Array:
-    """3x3: pixel of a picture of ``from_size`` (width, height) -> the same place in one of ``to_size``."""
+def scaling(from_size: tuple[int, int], to_size: tuple[int, int]) -> Homography:
+    """(3, 3): pixel of a picture of ``from_size`` (width, height) -> the same point in one of ``to_size``."""
     return np.array(fit_matrix(from_size, to_size))
 
 
 def size_at_columns(size: tuple[int, int], columns: int) -> tuple[int, int]:
-    """``size`` (width, height) brought to so many columns, its shape kept."""
+    """``size`` (width, height) scaled to that many columns, its aspect kept."""
     return columns, max(1, round(size[1] * columns / size[0]))
 
 

@@ -1,4 +1,4 @@
-"""Masks of the surgical field and of footprints: by hue, by region, closed, feathered.
+"""Masks of the surgical field and of footprints: by hue, by connected region, closed, feathered.
 
 Masks are (H, W), bool or uint8 (0 and 255) as each function says; sizes are (width, height).
 """
@@ -11,12 +11,27 @@ from numpy.typing import NDArray
 
 from .planes import U8
 
+Mask = NDArray[np.bool_]
+
 
 def hue_mask(picture: U8, *, saturation: int = 60, value: int = 40) -> U8:
-    """(H, W) uint8, 255 where the BGR picture shows the surgical field's reds, after the paper.
+    """The pixels that have the surgical field's reds: hue 0-30 or 150-179 on OpenCV's scale of 180.
 
-    Hue 0-30 or 150-179 on OpenCV's scale of 180. Nearly grey and nearly black pixels have no meaningful hue and are
-    left out: ``saturation`` and ``value`` are their least values, 0..255.
+    Parameters
+    ----------
+    picture
+        (H, W, 3), BGR.
+    saturation, value
+        The least ones that count, 0..255: nearly grey and nearly black pixels have no meaningful hue.
+
+    Returns
+    -------
+    U8
+        (H, W), 255 in the field and 0 elsewhere.
+
+    References
+    ----------
+    The paper, section "View Alignment", for the hues.
     """
     hsv = cv2.cvtColor(picture, cv2.COLOR_BGR2HSV)
     low = cv2.inRange(hsv, (0, saturation, value), (30, 255, 255))  # pyright: ignore
@@ -25,8 +40,22 @@ def hue_mask(picture: U8, *, saturation: int = 60, value: int = 40) -> U8:
 
 
 def feathered(mask: U8, width_px: float) -> U8:
-    """A soft (H, W) uint8 mask: 0 outside ``mask``, rising to 255 at ``width_px`` pixels inside its edge.
+    """A soft mask: 0 outside ``mask``, rising smoothly to 255 at ``width_px`` pixels inside its edge.
 
+    Parameters
+    ----------
+    mask
+        (H, W), non-zero inside.
+    width_px
+        Width of the ramp; 0 gives a hard mask.
+
+    Returns
+    -------
+    U8
+        (H, W), 0..255.
+
+    Notes
+    -----
     The picture's own edge is no edge of the mask.
     """
     if width_px <= 0:
@@ -37,7 +66,15 @@ def feathered(mask: U8, width_px: float) -> U8:
 
 
 def main_region(mask: Mask, *, least: float = 0.004) -> Mask:
-    """The largest connected region and those at least a fifth as large, closed; empty if below ``least`` of all."""
+    """The largest connected region and those at least a fifth as large, opened and closed.
+
+    Parameters
+    ----------
+    mask
+        (H, W).
+    least
+        Share of the picture, 0..1, below which a region does not count; empty where the largest is smaller.
+    """
     size = max(3, round(0.012 * mask.shape[1]) | 1)
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
     closed = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, kernel)
@@ -52,21 +89,18 @@ def main_region(mask: Mask, *, least: float = 0.004) -> Mask:
     return np.isin(labels, keep)
 
 
-Mask = NDArray[np.bool_]
-
-
 def resize_mask(mask: Mask, size: tuple[int, int]) -> Mask:
-    """``mask`` at another ``size`` (width, height), every pixel of it one of the old."""
+    """``mask`` at another ``size`` (width, height), by nearest neighbour."""
     return cv2.resize(mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
 
 
 def close_gaps(mask: Mask, *, gap: float = 0.05) -> Mask:
-    """Gaps up to ``gap`` of the width closed (instruments, a dark wound), holes filled."""
+    """``mask`` with gaps up to ``gap`` of its width closed (instruments, a dark wound) and its holes filled."""
     size = max(3, round(gap * mask.shape[1]) | 1)
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
     padded = np.pad(mask.astype(np.uint8), size)
-    shut = cv2.morphologyEx(padded, cv2.MORPH_CLOSE, kernel)[size:-size, size:-size]
-    outlines, _ = cv2.findContours(shut, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    closed = cv2.morphologyEx(padded, cv2.MORPH_CLOSE, kernel)[size:-size, size:-size]
+    outlines, _ = cv2.findContours(closed, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     filled = np.zeros(mask.shape, np.uint8)
     cv2.drawContours(filled, outlines, -1, 1, cv2.FILLED)
     return filled > 0
@@ -81,6 +115,6 @@ def convex_hull(mask: Mask) -> Mask:
 
 
 def central_ellipse(size: tuple[int, int]) -> Mask:
-    """The middle of the picture, (width, height), where the lamp is aimed: for a field that no colour shows."""
+    """The middle of a picture of ``size`` (width, height), where the lamp is aimed: for a field no colour shows."""
     x, y = np.meshgrid(np.arange(size[0]), np.arange(size[1]))
     return ((x - size[0] / 2) / (0.3 * size[0])) ** 2 + ((y - size[1] / 2) / (0.3 * size[1])) ** 2 < 1

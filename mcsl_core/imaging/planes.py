@@ -1,4 +1,4 @@
-"""Small shared image operations on BGR pictures and on planar 4:2:0 pictures.
+"""Pictures in planes (Y', Cb, Cr at 4:2:0) and as BGR: conversion, resizing, rotation, blur, median.
 
 BGR pictures are (H, W, 3) uint8, full range. `Planes` are BT.709 limited range (black 16, white 235, grey chroma
 128), chroma sited as MPEG-2 and H.264 do by default: a chroma sample lies on the even luma column and halfway
@@ -39,7 +39,15 @@ def _plane(_: object, attribute: object, value: U8) -> None:
 
 @frozen(eq=False)
 class Planes:
-    """One picture as 4:2:0 planes, uint8: ``y`` (H, W), ``u``, ``v`` (H/2, W/2); H and W even. Treat as read-only."""
+    """One picture as 4:2:0 planes, uint8. Treat as read-only: planes often share a decoder's memory.
+
+    Attributes
+    ----------
+    y
+        (H, W) luma; H and W are even.
+    u, v
+        (H/2, W/2) chroma, Cb and Cr.
+    """
 
     y: U8 = field(validator=_plane)
     u: U8 = field(validator=_plane)
@@ -68,8 +76,15 @@ def black(size: tuple[int, int]) -> Planes:
 
 
 def bgr_to_planes(picture: U8) -> Planes:
-    """BT.709 limited planes of a BGR picture of even size.
+    """BT.709 limited planes of a (H, W, 3) BGR picture.
 
+    Raises
+    ------
+    ValueError
+        Where its size is not even.
+
+    Notes
+    -----
     The chroma sample on column 2i is [1 2 1]/4 of its neighbours, so that it lies where a player expects it; swscale
     would average columns 2i and 2i+1 and shift the colours by half a pixel.
     """
@@ -92,23 +107,37 @@ def bgr_to_planes(picture: U8) -> Planes:
 
 
 def planes_to_bgr(planes: Planes, *, height: int | None = None) -> U8:
-    """The BGR picture of ``planes``, reduced to ``height`` (area average, aspect kept, never enlarged).
+    """The BGR picture of ``planes``.
 
-    Reduced pictures are about twice as cheap as full ones; their chroma is placed to a quarter of a pixel.
+    Parameters
+    ----------
+    planes
+        The picture.
+    height
+        Rows to downscale to, by area average with the aspect kept; never enlarged. Full size without.
+
+    Returns
+    -------
+    U8
+        (H, W, 3).
+
+    Notes
+    -----
+    Downscaled pictures are about twice as cheap as full ones; their chroma is right to a quarter of a pixel.
     """
     width, full = planes.size
     if height is not None and height < full:
-        size = reduced_size((width, full), height)
+        size = downscaled_size((width, full), height)
         y = cv2.resize(planes.y, size, interpolation=cv2.INTER_AREA)
         u, v = (_resize_plane(p, size) for p in (planes.u, planes.v))
     else:
         y = planes.y
-        # Rounded once: rounded twice, one view in twelve of a real board could not be tied any more.
+        # Rounded once: rounded twice, one camera in twelve could not be aligned any more on pictures of a real board.
         u, v = (cv2.convertScaleAbs(upsample_chroma(p.astype(np.float32))) for p in (planes.u, planes.v))
     return cv2.transform(cv2.merge([y, u, v]), YUV_TO_BGR)  # pyright: ignore[reportReturnType]
 
 
-def reduced_size(size: tuple[int, int], height: int) -> tuple[int, int]:
+def downscaled_size(size: tuple[int, int], height: int) -> tuple[int, int]:
     """``size`` (width, height) at ``height`` rows with its aspect kept; never larger than it was."""
     if height >= size[1]:
         return size
@@ -123,11 +152,22 @@ def _resize_plane(plane: U8, size: tuple[int, int]) -> U8:
 
 
 def upsample_chroma(plane: NDArray[Any]) -> NDArray[Any]:
-    """A (H/2, W/2) chroma plane at luma positions, linear, from where MPEG-2 siting puts its samples.
+    """A chroma plane at luma positions, by linear interpolation from where MPEG-2 siting puts its samples.
 
+    Parameters
+    ----------
+    plane
+        (H/2, W/2), uint8 or float32.
+
+    Returns
+    -------
+    NDArray
+        (H, W) of the same type. uint8 is rounded twice; float32 is not rounded.
+
+    Notes
+    -----
     Luma x lies at chroma x / 2, luma y at chroma (y - 0.5) / 2: the rows are what `cv2.resize` makes of them, even
-    columns are samples and odd ones the middle of two. 0.7 ms at 1080p in 8 bits, where a warp takes 3.9, but rounded
-    twice; what is handed in as float32 comes back so, unrounded.
+    columns are samples and odd ones the mean of two. 0.7 ms at 1080p in 8 bits, where a warp takes 3.9.
     """
     height, width = plane.shape
     even = cv2.resize(plane, (width, 2 * height), interpolation=cv2.INTER_LINEAR)
@@ -146,7 +186,7 @@ def resize_planes(planes: Planes, size: tuple[int, int]) -> Planes:
 
 
 def turn_planes(planes: Planes, degrees: int) -> Planes:
-    """``planes`` turned counter-clockwise by 90, 180 or 270 degrees, chroma put back to where its siting wants it."""
+    """``planes`` turned counter-clockwise by 90, 180 or 270 degrees, chroma resampled to its own siting again."""
     code, (dx, dy) = {
         90: (cv2.ROTATE_90_COUNTERCLOCKWISE, (-0.25, -0.25)),
         180: (cv2.ROTATE_180, (-0.5, 0.0)),
@@ -168,7 +208,7 @@ def turn_planes(planes: Planes, degrees: int) -> Planes:
 
 
 def blurred(planes: Planes, sigma_px: float) -> Planes:
-    """``planes`` under a Gaussian of ``sigma_px`` luma pixels."""
+    """``planes`` under a Gaussian blur of ``sigma_px`` luma pixels."""
     sigmas = (sigma_px, sigma_px / 2, sigma_px / 2)
     y, u, v = (cv2.GaussianBlur(plane, (0, 0), sigma) for plane, sigma in zip(planes, sigmas, strict=True))
     return Planes(y, u, v)  # pyright: ignore[reportArgumentType]
@@ -177,7 +217,10 @@ def blurred(planes: Planes, sigma_px: float) -> Planes:
 def median_planes(pictures: Sequence[Planes]) -> Planes:
     """The median of each sample over ``pictures`` of one size; of an even number the lower one.
 
-    By sorting neighbours with `cv2.min` and `cv2.max`: 8 ms for five pictures of 1080p, where `np.partition` takes 150.
+    Notes
+    -----
+    By an odd-even transposition sort with `cv2.min` and `cv2.max`: 8 ms for five pictures of 1080p, where
+    `np.partition` takes 150.
     """
     return Planes(*(_median(planes) for planes in zip(*pictures, strict=True)))
 

@@ -1,6 +1,7 @@
-"""From camera pixel to programme pixel by one single resampling, each of a picture's planes by itself.
+"""From camera pixel to programme pixel by one single resampling: homographies, warp fields, footprints.
 
-Half the pixels of BGR, and no conversion. Matrices are 3x3 and map camera pixel to programme pixel.
+Each of a picture's planes is warped by itself: half the samples of BGR, and no conversion. Matrices are 3x3 and map
+camera pixel to programme pixel.
 """
 
 from __future__ import annotations
@@ -25,9 +26,22 @@ Resampling = Literal["linear", "lanczos"]  # Lanczos-4 is sharper, at ten times 
 
 
 def warp_planes(planes: Planes, matrix: Homography, rect: Rect, resampling: Resampling = "linear") -> Planes:
-    """What lies in ``rect`` of the programme, black outside the picture.
+    """A camera's picture warped by a homography, as it lies in ``rect`` of the programme; black outside the picture.
 
-    A plane that only moves by whole samples is not resampled: it keeps every bit, and the identity is ``planes``
+    Parameters
+    ----------
+    planes
+        The camera's picture.
+    matrix
+        (3, 3), camera pixel -> programme pixel.
+    rect
+        The part of the programme to make.
+    resampling
+        "linear", or "lanczos" at ten times the cost.
+
+    Notes
+    -----
+    A plane that only moves by whole samples is not resampled: it keeps every bit, and the identity returns ``planes``
     itself.
     """
     m = np.array(matrix)
@@ -35,7 +49,7 @@ def warp_planes(planes: Planes, matrix: Homography, rect: Rect, resampling: Resa
     m[1] -= rect.y * m[2]
     m /= m[2, 2]
     size, half = (rect.width, rect.height), (rect.width // 2, rect.height // 2)
-    shift = _shift(m)
+    shift = _whole_shift(m)
     if shift == (0, 0) and planes.size == size:
         return planes
     if shift is not None and shift[0] % 2 == 0 and shift[1] % 2 == 0:
@@ -53,8 +67,8 @@ def warp_planes(planes: Planes, matrix: Homography, rect: Rect, resampling: Resa
     )
 
 
-def _shift(m: Homography) -> tuple[int, int] | None:
-    """(dx, dy) of a matrix that moves by whole pixels, to a millionth, and does nothing else."""
+def _whole_shift(m: Homography) -> tuple[int, int] | None:
+    """(dx, dy) of a matrix that translates by whole pixels, to a millionth, and does nothing else; else None."""
     (a, b, x), (c, d, y), (e, f, _) = m.tolist()
     if max(abs(a - 1), abs(b), abs(c), abs(d - 1), 1000 * abs(e), 1000 * abs(f)) > 1e-9:
         return None
@@ -63,7 +77,7 @@ def _shift(m: Homography) -> tuple[int, int] | None:
 
 
 def _moved(plane: U8, dx: int, dy: int, size: tuple[int, int], black: int) -> U8:
-    """``plane`` moved by whole samples on a (width, height) of ``black``; a view of it where it reaches everywhere."""
+    """``plane`` moved by whole samples on ``size`` (width, height) of ``black``; a slice where it fills all of it."""
     width, height = size
     if dx <= 0 and dy <= 0 and width - dx <= plane.shape[1] and height - dy <= plane.shape[0]:
         return plane[-dy : height - dy, -dx : width - dx]
@@ -85,15 +99,28 @@ def _warped(plane: U8, matrix: Homography, size: tuple[int, int], index: int, re
 
 
 def _limited(warped: U8, plane: U8, index: int) -> U8:
-    """Lanczos overshoots at edges: to no code outside limited range that the source has not itself."""
+    """``warped`` without Lanczos's overshoot at edges beyond limited range and beyond the source's own codes."""
     low, high, *_ = cv2.minMaxLoc(plane)
     return warped.clip(min(16, int(low)), max(_WHITE[index], int(high)), out=warped)
 
 
 def footprint(size: tuple[int, int], matrix: Homography, programme: tuple[int, int]) -> U8:
-    """(height / 2, width / 2) of the ``programme``: 255 where a camera of ``size`` sees it, on the chroma grid.
+    """The part of the programme over which a camera's picture extends, whatever it shows there.
 
-    Between at its edge: a mask of ones and nothings has steps of two pixels, which show.
+    Parameters
+    ----------
+    size
+        (width, height) of the camera.
+    matrix
+        (3, 3), camera pixel -> programme pixel.
+    programme
+        (width, height) of the programme.
+
+    Returns
+    -------
+    U8
+        (height / 2, width / 2) on the programme's chroma grid: 255 inside, 0 outside, values between at its edge (a
+        binary mask has steps of two pixels, which show).
     """
     inside = np.full((size[1] // 2, size[0] // 2), 255, np.uint8)
     chroma = _FROM_CHROMA @ matrix @ _CHROMA
@@ -101,15 +128,21 @@ def footprint(size: tuple[int, int], matrix: Homography, programme: tuple[int, i
     return cv2.warpPerspective(inside, chroma, half, flags=cv2.INTER_LINEAR)  # pyright: ignore[reportReturnType]
 
 
-# --------------------------------------------------------------------------------------------------------- bending
+# ------------------------------------------------------------------------------------- homography with a warp field
 
 
 @frozen(eq=False)
 class WarpField:
-    """Where a picture, warped by its homography, has what belongs at a programme pixel: so many pixels beside it.
+    """A displacement field in the programme: what belongs at pixel p lies at p + shift(p) after the homography.
 
-    shift: (h, w, 2) float32, x and y in programme pixels, at nodes ``step`` pixels apart from ``corner`` on; linear in
-    between, and beyond the outermost nodes as at them.
+    Attributes
+    ----------
+    shift
+        (h, w, 2), x and y in programme pixels, at the nodes of a grid; linear between nodes, constant beyond them.
+    corner
+        (x, y) of the first node in programme pixels.
+    step
+        Pixels from one node to the next.
     """
 
     shift: NDArray[np.float32]
@@ -117,13 +150,23 @@ class WarpField:
     step: float
 
     def at(self, x: NDArray[np.float32], y: NDArray[np.float32]) -> NDArray[np.float32]:
-        """(..., 2) at programme pixels ``x``, ``y`` of one 2-D shape."""
-        columns, rows = ((v - c) / self.step for v, c in zip((x, y), self.corner, strict=True))
+        """(H, W, 2): the displacement at programme pixels ``x``, ``y``, both (H, W)."""
+        columns, rows = (x - self.corner[0]) / self.step, (y - self.corner[1]) / self.step
         found = cv2.remap(self.shift, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         return np.asarray(found, np.float32)
 
     def tapered(self, size: tuple[int, int], matrix: Homography, width_px: float) -> WarpField:
-        """Whole where a camera of ``size`` sees nothing, fading out over ``width_px`` towards its picture's middle."""
+        """The field in full outside the footprint of a camera, fading to 0 within it.
+
+        Parameters
+        ----------
+        size
+            (width, height) of the camera.
+        matrix
+            (3, 3), camera pixel -> programme pixel.
+        width_px
+            How far inside the footprint's edge it has faded out, programme pixels.
+        """
         x, y = self.corner
         to_nodes = np.diag([1 / self.step, 1 / self.step, 1.0]) @ translation(-x, -y)
         ones = np.full((size[1], size[0]), 255, np.uint8)
@@ -137,7 +180,15 @@ class WarpField:
 
 @frozen(eq=False)
 class RemapTables:
-    """Where in the camera's planes each luma and each chroma sample of a rectangle lies: (h, w, 2) float32, x and y."""
+    """Where in the camera's planes each sample of a rectangle of the programme lies, as `cv2.remap` takes it.
+
+    Attributes
+    ----------
+    luma
+        (h, w, 2), x and y in luma samples.
+    chroma
+        (h/2, w/2, 2), x and y in chroma samples.
+    """
 
     luma: NDArray[np.float32]
     chroma: NDArray[np.float32]
@@ -150,9 +201,22 @@ class RemapTables:
 def warp_field_maps(
     matrix: Homography, warp_field: WarpField, rect: Rect, offset: tuple[float, float] = (0.0, 0.0)
 ) -> RemapTables:
-    """The inverse of ``matrix`` after ``warp_field``, for the programme shifted by ``offset``.
+    """Remap tables of a homography with a warp field.
 
-    Worked out at every eighth pixel and linear between: a homography of a lamp's camera bends by 0.01 pixels there.
+    Parameters
+    ----------
+    matrix
+        (3, 3), camera pixel -> programme pixel.
+    warp_field
+        What is added before the inverse of ``matrix``.
+    rect
+        The part of the programme to make.
+    offset
+        (dx, dy), the centering in programme pixels.
+
+    Notes
+    -----
+    Worked out at every eighth pixel and linear between: a homography of a lamp's camera deviates by 0.01 pixels there.
     """
     left, top = rect.x - offset[0], rect.y - offset[1]
     luma = _map(matrix, warp_field, (left, top), (rect.width, rect.height), _NODE)
@@ -164,16 +228,12 @@ def warp_field_maps(
 def _map(
     matrix: Homography, warp_field: WarpField, corner: tuple[float, float], size: tuple[int, int], samples: int
 ) -> NDArray[np.float32]:
-    """(h, w, 2): where in the camera's plane lies what is seen at nodes `_NODE` pixels apart; ``samples`` a node."""
+    """(h, w, 2): the source position of every sample, interpolated from nodes that are ``samples`` apart."""
     # `cv2.resize` sets node k in the middle of its samples and ends with the outermost: one more each side.
     columns, rows = (-(-n // samples) + 2 for n in size)
-    x, y = np.meshgrid(
-        *(
-            (np.arange(n, dtype=np.float32) - 0.5) * _NODE - 0.5 + c
-            for n, c in zip((columns, rows), corner, strict=True)
-        )
-    )
-    x, y = x.astype(np.float32), y.astype(np.float32)
+    node_x = (np.arange(columns, dtype=np.float32) - 0.5) * _NODE - 0.5 + corner[0]
+    node_y = (np.arange(rows, dtype=np.float32) - 0.5) * _NODE - 0.5 + corner[1]
+    x, y = (grid.astype(np.float32) for grid in np.meshgrid(node_x, node_y))
     at = (np.stack([x, y], axis=-1) + warp_field.at(x, y)).astype(np.float64)
     nodes = cv2.perspectiveTransform(at, np.linalg.inv(matrix)).astype(np.float32)
     wide = cv2.resize(nodes, (samples * columns, samples * rows), interpolation=cv2.INTER_LINEAR)
@@ -181,7 +241,7 @@ def _map(
 
 
 def remap_planes(planes: Planes, maps: RemapTables, resampling: Resampling = "linear") -> Planes:
-    """What lies in the rectangle of ``maps``, black outside the picture."""
+    """A camera's picture resampled through ``maps``, as it lies in their rectangle; black outside the picture."""
     flags = cv2.INTER_LINEAR if resampling == "linear" else cv2.INTER_LANCZOS4
     found = []
     for index, (plane, at) in enumerate(zip(planes, (maps.luma, maps.chroma, maps.chroma), strict=True)):
@@ -191,7 +251,7 @@ def remap_planes(planes: Planes, maps: RemapTables, resampling: Resampling = "li
 
 
 def warp_field_footprint(size: tuple[int, int], maps: RemapTables) -> U8:
-    """As `footprint`, where the picture is bent."""
+    """As `footprint`, where the picture is warped by a warp field too."""
     inside = np.full((size[1] // 2, size[0] // 2), 255, np.uint8)
     return _remapped(inside, maps.chroma, cv2.INTER_LINEAR, 0)
 

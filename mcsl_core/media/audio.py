@@ -1,4 +1,4 @@
-"""A file's sound from any time on, its holes kept where its timestamps have them."""
+"""Decoding a file's audio from any time on, its gaps kept where its timestamps have them."""
 
 from __future__ import annotations
 
@@ -13,38 +13,54 @@ from av.error import FFmpegError
 from numpy.typing import NDArray
 
 from .facts import MediaFacts
-from .opening import open_file, stamp_of, zero_of
+from .opening import open_file, time_origin_of, timestamp_of
 
 log = logging.getLogger(__name__)
 
 
-def read_sound(facts: MediaFacts, from_s: Fraction, rate: int) -> Iterator[tuple[Fraction, NDArray[np.float32]]]:
-    """(time in seconds, mono float32 samples at ``rate``) of a file's first sound track from about ``from_s`` on.
+def read_audio(facts: MediaFacts, from_s: Fraction, rate: int) -> Iterator[tuple[Fraction, NDArray[np.float32]]]:
+    """Decodes a file's first audio track, mono.
 
-    The first block begins at or before ``from_s`` where there is sound. Blocks are in order; what lies between the
-    end of one and the start of the next is silence. Begun inside a file, the sound lies as exactly as the file's ticks
-    (half a millisecond in Matroska); after that samples are counted, so it does not jitter.
+    Parameters
+    ----------
+    facts
+        The file, as `probe` describes it; it has audio.
+    from_s
+        Where to begin, seconds of the file's own time. The first block begins at or before it where there is sound.
+    rate
+        Samples per second to resample to.
+
+    Yields
+    ------
+    time_s, samples
+        Time of a block's first sample, and (n,) float32 in -1..1. Blocks are in order; what lies between the end of
+        one and the start of the next is silence.
+
+    Notes
+    -----
+    Begun inside a file, the position is as exact as the file's ticks (half a millisecond in Matroska); after that
+    samples are counted, so it does not jitter.
     """
     with open_file(facts.path) as container:
         stream = container.streams.audio[0]
-        zero, tick = zero_of(container), stream.time_base
+        origin, tick = time_origin_of(container), stream.time_base
         if from_s > Fraction(1, 2):
             # The decoder needs some frames before the first that is right: overlapped transforms, bit reservoirs.
-            container.seek(int((from_s - Fraction(1, 4) + zero) / tick), stream=stream)
-        grace = float(max(3 * tick, Fraction(1, 500)))  # timestamps are rounded; a hole is more than that
-        run: _Run | None = None
-        for frame in _sound_frames(container, stream, facts.path.name):
-            stamp, ticks = stamp_of(frame), frame.time_base
-            if run is None or (stamp is not None and abs(stamp * float(ticks) - float(zero) - run.end_s) > grace):
+            container.seek(int((from_s - Fraction(1, 4) + origin) / tick), stream=stream)
+        grace = float(max(3 * tick, Fraction(1, 500)))  # timestamps are rounded; a gap is more than that
+        run: _ContinuousAudio | None = None
+        for frame in _audio_frames(container, stream, facts.path.name):
+            stamp, ticks = timestamp_of(frame), frame.time_base
+            if run is None or (stamp is not None and abs(stamp * float(ticks) - float(origin) - run.end_s) > grace):
                 if run is not None:
                     yield from run.blocks(None)
-                run = _Run((stamp or 0) * ticks - zero, rate)
+                run = _ContinuousAudio((stamp or 0) * ticks - origin, rate)
             yield from run.blocks(frame)
         if run is not None:
             yield from run.blocks(None)
 
 
-def _sound_frames(container: Any, stream: Any, name: str) -> Iterator[Any]:
+def _audio_frames(container: Any, stream: Any, name: str) -> Iterator[Any]:
     packets = container.demux(stream)
     while True:
         try:
@@ -58,10 +74,10 @@ def _sound_frames(container: Any, stream: Any, name: str) -> Iterator[Any]:
         yield from frames
 
 
-class _Run:
-    """A stretch of sound without a hole, resampled; counts samples so that rounded timestamps cannot jitter it.
+class _ContinuousAudio:
+    """Audio without a gap, resampled; counts samples so that rounded timestamps cannot jitter it.
 
-    Handed out by the half second: Python's share of a block is ten times the decoding of one AAC frame.
+    Handed out in blocks of half a second: Python's share of a block is ten times the decoding of one AAC frame.
     """
 
     def __init__(self, start_s: Fraction, rate: int) -> None:
@@ -70,7 +86,7 @@ class _Run:
         self._resampler = av.AudioResampler(format="flt", layout="mono", rate=rate, frame_size=rate // 2)
 
     def blocks(self, frame: Any) -> Iterator[tuple[Fraction, NDArray[np.float32]]]:
-        """What comes out for ``frame``, or at the end for None."""
+        """The blocks that ``frame`` completes; with None what is left at the end."""
         if frame is not None:
             frame.pts = None
             self._taken += frame.samples

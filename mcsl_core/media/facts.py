@@ -23,29 +23,70 @@ _COMMON = sorted(
 class MediaFacts:
     """Facts of one media file, from its headers and packets; nothing but its first picture was decoded.
 
+    Attributes
+    ----------
+    path
+        The file.
+    size
+        Displayed (width, height): upright, square pixels, even.
+    coded_size
+        (width, height) as coded.
+    rotation
+        Degrees counter-clockwise by which the coded picture is turned for display: 0, 90, 180, 270.
+    sample_aspect
+        Width over height of a coded pixel.
+    rate
+        Nominal frames per second.
+    frames
+        As many as the headers count; estimated from the duration where they do not count.
+    zero_s
+        The video timestamp at which the file's own time is 0, see Notes.
+    start_s
+        The first picture's own time; above 0 for a late start.
+    end_s
+        The end of the last picture as the headers promise it.
+    usable_s
+        The end of what is really there; before ``end_s`` in a file cut short.
+    tick_s
+        Resolution of the timestamps.
+    variable_rate
+        Whether timestamps stray from even spacing.
+    keyframe_interval_s
+        Mean time from one keyframe to the next.
+    codec, pixel_format
+        FFmpeg's names.
+    audio_rate
+        Samples per second of the first audio track; None without audio.
+    audio_channels
+        0 without audio.
+    timecode
+        SMPTE start timecode as the file writes it; None without.
+    truncated
+        Whether the file was cut short.
+
+    Notes
+    -----
     A file's own time 0 is timestamp 0, except in transport and programme streams (MPEG-TS and the like), whose clocks
-    start anywhere: there it is the earliest timestamp of the file. ``start_s`` is the first picture's time on that
-    clock and ``end_s`` the end of the last picture as the headers promise it; ``usable_s`` is the end of what is
-    really there and smaller in a file cut short (``truncated``).
+    start anywhere: there it is the earliest timestamp of the file.
     """
 
     path: Path
-    size: tuple[int, int]  # displayed width and height: upright, square pixels, even
+    size: tuple[int, int]
     coded_size: tuple[int, int]
-    rotation: int  # degrees counter-clockwise that a player turns the coded picture: 0, 90, 180, 270
+    rotation: int
     sample_aspect: Fraction
-    rate: Fraction  # nominal frames per second
-    frames: int  # counted by the headers; estimated from the duration where they do not count
-    zero_s: Fraction  # the video timestamp at which its own time is 0
+    rate: Fraction
+    frames: int
+    zero_s: Fraction
     start_s: Fraction
     end_s: Fraction
     usable_s: Fraction
-    tick_s: Fraction  # the resolution of its timestamps
+    tick_s: Fraction
     variable_rate: bool
-    keyframe_interval_s: float  # mean
+    keyframe_interval_s: float
     codec: str
     pixel_format: str
-    audio_rate: int | None  # samples per second; None without sound
+    audio_rate: int | None
     audio_channels: int
     timecode: str | None
     truncated: bool
@@ -66,7 +107,7 @@ class MediaFacts:
 
     @property
     def tolerance_s(self) -> Fraction:
-        """How much later than a moment a timestamp may lie and still have come.
+        """How much later than a given time a timestamp may lie and still count as reached.
 
         Timestamps are rounded to the file's ticks (1 ms in Matroska: 29.97 frames a second lie at 33, 67, 100 ms) and
         offsets are decimal numbers, so exact comparison would drop and double pictures. A quarter of a frame at most.
@@ -75,7 +116,17 @@ class MediaFacts:
 
 
 def displayed_size(coded: tuple[int, int], sample_aspect: Fraction, rotation: int) -> tuple[int, int]:
-    """Upright width and height in square pixels, even: the height is kept, the width stretched."""
+    """Upright (width, height) in square pixels, even.
+
+    Parameters
+    ----------
+    coded
+        (width, height) as coded; the height is kept.
+    sample_aspect
+        Width over height of a coded pixel.
+    rotation
+        Degrees, a multiple of 90.
+    """
     width, height = float(coded[0] * sample_aspect), float(coded[1])
     if rotation % 180:
         width, height = height, width
@@ -91,8 +142,15 @@ def nominal_rate(measured: Fraction) -> Fraction:
 
 
 def is_variable(times: NDArray[np.float64]) -> bool:
-    """Whether rising timestamps (seconds) stray from even spacing by more than half a frame.
+    """Whether timestamps stray from even spacing by more than half a frame.
 
+    Parameters
+    ----------
+    times
+        (N,) seconds, rising.
+
+    Notes
+    -----
     Rounding to ticks strays by less, and so does a slow clock, whose mean rate is used.
     """
     if len(times) < 3 or times[-1] <= times[0]:
@@ -103,9 +161,14 @@ def is_variable(times: NDArray[np.float64]) -> bool:
 
 
 def fingerprint(path: str | Path) -> str:
-    """A content key that changes when the file does: its size and the hashes of its head, middle and tail (1 MiB each).
+    """A content key that changes when the file does: of its size and its first, middle and last MiB.
 
-    Takes milliseconds however large the file is. InputError where it cannot be read.
+    Takes milliseconds however large the file is.
+
+    Raises
+    ------
+    InputError
+        Where it cannot be read.
     """
     path = Path(path)
     try:

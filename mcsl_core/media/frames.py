@@ -23,8 +23,22 @@ _per_thread = threading.local()
 
 
 def to_planes(frame: Any, facts: MediaFacts) -> Planes:
-    """The upright, square-pixel picture of a decoded frame. Views of the decoder's memory where nothing need change.
+    """The upright, square-pixel picture of a decoded frame, in BT.709 limited range.
 
+    Parameters
+    ----------
+    frame
+        An `av.VideoFrame` of any pixel format.
+    facts
+        The file it comes from.
+
+    Returns
+    -------
+    Planes
+        Of ``facts.size``. They share the decoder's memory where nothing has to be converted: treat as read-only.
+
+    Notes
+    -----
     Pictures without a colour tag are BT.709 from 720 rows or 1280 columns up and BT.601 below, as players take them.
     """
     upright = facts.size if facts.rotation % 180 == 0 else (facts.size[1], facts.size[0])
@@ -52,7 +66,7 @@ def to_planes(frame: Any, facts: MediaFacts) -> Planes:
 
 
 def _reformatter() -> VideoReformatter:
-    """One a thread: it keeps its tables, and is not safe to share."""
+    """One per thread: it keeps its tables, and is not safe to share."""
     if not hasattr(_per_thread, "reformatter"):
         _per_thread.reformatter = VideoReformatter()
     return _per_thread.reformatter
@@ -69,7 +83,7 @@ def _is_small(frame: Any) -> bool:
 
 
 def frame_from_planes(planes: Planes) -> Any:
-    """An av frame, yuv420p tagged BT.709 limited, holding a copy of ``planes``."""
+    """An `av.VideoFrame`, yuv420p tagged BT.709 limited, holding a copy of ``planes``."""
     width, height = planes.size
     frame: Any = av.VideoFrame(width, height, "yuv420p")
     for target, source in zip(frame.planes, planes, strict=True):

@@ -1,4 +1,4 @@
-"""Opening a file, finding the film in it, and reading its clock: what probing, reading and sound share."""
+"""Opening a file, choosing its video stream, reading its clock: what probing, reading and audio share."""
 
 from __future__ import annotations
 
@@ -17,6 +17,13 @@ _STILLS = Disposition.attached_pic | Disposition.timed_thumbnails | Disposition.
 
 
 def open_file(path: Path) -> Any:
+    """The container of a file, an `av` input container.
+
+    Raises
+    ------
+    MediaError
+        Where it cannot be opened.
+    """
     try:
         return av.open(str(path), "r")
     except FFmpegError as error:
@@ -31,14 +38,20 @@ def open_file(path: Path) -> Any:
 
 
 def main_video(container: Any, path: Path) -> Any:
-    """The film among the video streams: cover pictures, thumbnails and stills are not it."""
-    films = [s for s in container.streams.video if s.codec_context and not s.disposition & _STILLS]
-    if not films:
+    """The largest video stream that is no cover picture, thumbnail or still.
+
+    Raises
+    ------
+    MediaError
+        Where there is none.
+    """
+    streams = [s for s in container.streams.video if s.codec_context and not s.disposition & _STILLS]
+    if not streams:
         raise MediaError("holds no video", where=str(path), remedy="Leave it out, or hand in the camera's video file")
-    return max(films, key=lambda s: (s.width * s.height, -s.index))
+    return max(streams, key=lambda s: (s.width * s.height, -s.index))
 
 
-def zero_of(container: Any) -> Fraction:
+def time_origin_of(container: Any) -> Fraction:
     """The timestamp in seconds at which the file's own time is 0 (see `MediaFacts`)."""
     if not _RUNNING_CLOCKS & set(container.format.name.split(",")):
         return Fraction(0)
@@ -46,6 +59,6 @@ def zero_of(container: Any) -> Fraction:
     return min((s.start_time * s.time_base for s in streams if s.start_time is not None), default=Fraction(0))
 
 
-def stamp_of(item: Any) -> int | None:
+def timestamp_of(item: Any) -> int | None:
     """The presentation timestamp of a packet or frame in ticks; the decoding one where a format has no other (AVI)."""
     return item.pts if item.pts is not None else item.dts

@@ -1,4 +1,4 @@
-"""Facts of a file from its headers, index and packets, and from its first picture."""
+"""Probing: facts of a file from its headers, index and packets, and from its first picture."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from typing import Any
 
 import av
 import numpy as np
+from attrs import frozen
 from av.error import FFmpegError
 
 from mcsl_core.errors import MediaError
 
 from .facts import MediaFacts, displayed_size, is_variable, nominal_rate
-from .opening import main_video, open_file, stamp_of, zero_of
+from .opening import main_video, open_file, time_origin_of, timestamp_of
 
 log = logging.getLogger(__name__)
 
@@ -23,78 +24,171 @@ _WHOLE_BYTES = 64 << 20  # a file without an index is scanned whole up to this s
 _HEAD_PACKETS = 600
 
 
-def probe(path: str | Path) -> MediaFacts:
-    """Facts of a media file from its headers and packets; only its first picture is decoded.
+@frozen
+class _IndexEntry:
+    timestamp: int  # ticks
+    is_keyframe: bool
+    end_byte: int
 
-    MediaError where it cannot be opened, holds no video, or not one picture of it can be decoded.
+
+@frozen(kw_only=True)
+class _Header:
+    """What the container's headers and the first picture say; see `MediaFacts` for the fields of one name."""
+
+    tick: Fraction
+    zero_s: Fraction
+    start_s: Fraction
+    promised_end_s: Fraction | None
+    declared_rate: Fraction | None
+    counted: int  # frames, 0 where the headers do not count them
+    index: list[_IndexEntry]
+    coded_size: tuple[int, int]
+    sample_aspect: Fraction
+    rotation: int
+    codec: str
+    pixel_format: str
+    audio_rate: int | None
+    audio_channels: int
+    timecode: str | None
+
+
+@frozen(kw_only=True)
+class _Packets:
+    """What the index or the packets say, on the file's own time."""
+
+    stamps: list[int]  # ticks
+    keyframes: int  # among them
+    end_s: Fraction | None  # of the last picture
+    usable_s: Fraction | None  # where a file that was cut short ends; None for a whole one
+    frames: int | None  # None where they were not counted
+
+    @property
+    def truncated(self) -> bool:
+        return self.usable_s is not None
+
+
+def probe(path: str | Path) -> MediaFacts:
+    """Facts of a media file from its headers, index and packets; only its first picture is decoded.
+
+    Parameters
+    ----------
+    path
+        Any file that FFmpeg opens.
+
+    Raises
+    ------
+    MediaError
+        Where it cannot be opened, holds no video, or not one picture of it can be decoded.
+
+    Notes
+    -----
+    A file without an index is scanned packet by packet up to 64 MiB (0.1 s), a larger one at its ends only: then the
+    number of its frames is estimated from its duration.
+
+    Examples
+    --------
+    >>> facts = probe("cam1.mp4")  # doctest: +SKIP
+    >>> facts.size, facts.rate, facts.duration_s  # doctest: +SKIP
+    ((1920, 1080), Fraction(30000, 1001), 1800.3)
     """
     path = Path(path)
-    with open_file(path) as container:
-        stream = main_video(container, path)
-        tick, zero = stream.time_base, zero_of(container)
-        sound = next(iter(container.streams.audio), None)
-        channels, audio_rate = (sound.channels, sound.sample_rate) if sound is not None else (0, None)
-        timecode = next((s.metadata["timecode"] for s in container.streams if "timecode" in s.metadata), None)
-        timecode = timecode or container.metadata.get("timecode")
-        declared = stream.guessed_rate or stream.average_rate or stream.base_rate
-        promised = _promised_end(container, stream, zero)
-        index = [(e.timestamp, e.is_keyframe, e.pos + e.size) for e in stream.index_entries]
-        first = _first_picture(container, stream, path)
-        coded, pixel_format = (first.width, first.height), first.format.name
-        rotation, begin = round(first.rotation / 90) * 90 % 360, (stamp_of(first) or 0) * tick
-        if container.format.name == "avi":  # it has no presentation times; FFmpeg makes them up, and late with H.264
-            zero = begin
-        start = begin - zero
-        aspect = stream.sample_aspect_ratio or Fraction(1)
-        codec = stream.codec_context.name
-        counted = stream.frames
-
-    size_bytes = path.stat().st_size
-    indexed = counted > 0 and len(index) >= counted
-    if indexed:
-        there = [entry for entry in index if entry[2] <= size_bytes] or index[:1]
-        cut = len(there) < len(index)
-        stamps, keys = [e[0] for e in index], sum(e[1] for e in index)
-        end = _end(path, stamps[-min(len(stamps), 40)], any_frame=True) if not cut else None
-        usable = (min(e[0] for e in index if e[2] > size_bytes) * tick - zero) if cut else None
-        frames, whole = len(there), True
-    else:
-        whole = size_bytes <= _WHOLE_BYTES
-        stamps, keys, end = _scan(path, None if whole else _HEAD_PACKETS)
-        if not whole:
-            end = _end(path, int(((promised or 0) + zero) / tick), any_frame=False) or end
-        usable = end - zero if promised and end and end - zero < promised - 1 else None
-        cut, frames = usable is not None, len(stamps)
-    end = end - zero if end is not None else None
+    header = _read_header(path)
+    packets = _from_index(path, header) if 0 < header.counted <= len(header.index) else _from_packets(path, header)
+    stamps, tick = packets.stamps, header.tick
     times = np.sort(np.array(stamps, np.float64)) * float(tick)
     span = Fraction(max(stamps) - min(stamps)) * tick if len(stamps) > 1 else Fraction(0)
-    measured = (len(stamps) - 1) / span if span else Fraction(declared or 25)
+    measured = (len(stamps) - 1) / span if span else Fraction(header.declared_rate or 25)
     variable = is_variable(times)
-    rate = nominal_rate(Fraction(declared)) if declared and variable else nominal_rate(measured)
-    end = promised if cut and promised else (end or promised or start + len(stamps) / rate)
-    if not whole:
-        frames = round((end - start) * rate)
+    rate = nominal_rate(Fraction(header.declared_rate) if header.declared_rate and variable else measured)
+    end = header.promised_end_s if packets.truncated else None
+    end = end or packets.end_s or header.promised_end_s or header.start_s + len(stamps) / rate
+    frames = round((end - header.start_s) * rate) if packets.frames is None else packets.frames
     return MediaFacts(
         path=path,
-        size=displayed_size(coded, aspect, rotation),
-        coded_size=coded,
-        rotation=rotation,
-        sample_aspect=aspect,
+        size=displayed_size(header.coded_size, header.sample_aspect, header.rotation),
+        coded_size=header.coded_size,
+        rotation=header.rotation,
+        sample_aspect=header.sample_aspect,
         rate=rate,
         frames=max(1, frames),
-        zero_s=zero,
-        start_s=start,
+        zero_s=header.zero_s,
+        start_s=header.start_s,
         end_s=end,
-        usable_s=min(usable, end) if usable is not None else end,
+        usable_s=end if packets.usable_s is None else min(packets.usable_s, end),
         tick_s=tick,
         variable_rate=variable,
-        keyframe_interval_s=float(span + 1 / rate) / max(1, keys),
-        codec=codec,
-        pixel_format=pixel_format,
-        audio_rate=audio_rate,
-        audio_channels=channels,
-        timecode=timecode,
-        truncated=cut,
+        keyframe_interval_s=float(span + 1 / rate) / max(1, packets.keyframes),
+        codec=header.codec,
+        pixel_format=header.pixel_format,
+        audio_rate=header.audio_rate,
+        audio_channels=header.audio_channels,
+        timecode=header.timecode,
+        truncated=packets.truncated,
+    )
+
+
+def _read_header(path: Path) -> _Header:
+    with open_file(path) as container:
+        stream = main_video(container, path)
+        zero = time_origin_of(container)
+        audio = next(iter(container.streams.audio), None)
+        timecode = next((s.metadata["timecode"] for s in container.streams if "timecode" in s.metadata), None)
+        promised = _promised_end(container, stream, zero)
+        index = [_IndexEntry(e.timestamp, e.is_keyframe, e.pos + e.size) for e in stream.index_entries]
+        first = _first_picture(container, stream, path)
+        begin = (timestamp_of(first) or 0) * stream.time_base
+        if container.format.name == "avi":  # it has no presentation times; FFmpeg makes them up, and late with H.264
+            zero = begin
+        return _Header(
+            tick=stream.time_base,
+            zero_s=zero,
+            start_s=begin - zero,
+            promised_end_s=promised,
+            declared_rate=stream.guessed_rate or stream.average_rate or stream.base_rate,
+            counted=stream.frames,
+            index=index,
+            coded_size=(first.width, first.height),
+            sample_aspect=stream.sample_aspect_ratio or Fraction(1),
+            rotation=round(first.rotation / 90) * 90 % 360,
+            codec=stream.codec_context.name,
+            pixel_format=first.format.name,
+            audio_rate=audio.sample_rate if audio is not None else None,
+            audio_channels=audio.channels if audio is not None else 0,
+            timecode=timecode or container.metadata.get("timecode"),
+        )
+
+
+def _from_index(path: Path, header: _Header) -> _Packets:
+    """Of a file whose index names every frame; where it was cut short, by what its size leaves of them."""
+    size_bytes, index = path.stat().st_size, header.index
+    missing = [entry.timestamp for entry in index if entry.end_byte > size_bytes]
+    if len(index) == 1:  # it was decoded, so it is there
+        missing = []
+    stamps = [entry.timestamp for entry in index]
+    end = None if missing else _end(path, stamps[-min(len(stamps), 40)], any_frame=True)
+    return _Packets(
+        stamps=stamps,
+        keyframes=sum(entry.is_keyframe for entry in index),
+        end_s=None if end is None else end - header.zero_s,
+        usable_s=min(missing) * header.tick - header.zero_s if missing else None,
+        frames=max(len(index) - len(missing), 1),
+    )
+
+
+def _from_packets(path: Path, header: _Header) -> _Packets:
+    """Of a file without a full index, by reading its packets: all of them, or those at the ends of a large file."""
+    whole, promised = path.stat().st_size <= _WHOLE_BYTES, header.promised_end_s
+    stamps, keyframes, end = _scan(path, None if whole else _HEAD_PACKETS)
+    if not whole:
+        end = _end(path, int(((promised or 0) + header.zero_s) / header.tick), any_frame=False) or end
+    end_s = None if end is None else end - header.zero_s
+    cut_short = promised and end and end - header.zero_s < promised - 1
+    return _Packets(
+        stamps=stamps,
+        keyframes=keyframes,
+        end_s=end_s,
+        usable_s=end_s if cut_short else None,
+        frames=len(stamps) if whole else None,
     )
 
 
@@ -151,7 +245,7 @@ def _packets(container: Any, stream: Any, most: int | None) -> tuple[list[int], 
     stamps, keys, end = [], 0, None
     try:
         for packet in itertools.islice(container.demux(stream), most):
-            stamp = stamp_of(packet)
+            stamp = timestamp_of(packet)
             if stamp is not None and packet.size:
                 stamps.append(stamp)
                 keys += packet.is_keyframe

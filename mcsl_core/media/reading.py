@@ -1,4 +1,4 @@
-"""Decoding and seeking: the frames of a file in presentation order from any time on, or single keyframes."""
+"""Seeking and decoding: the frames of a file in presentation order from any time on, or single keyframes."""
 
 from __future__ import annotations
 
@@ -11,16 +11,32 @@ import numpy as np
 from av.error import FFmpegError
 
 from .facts import MediaFacts
-from .opening import main_video, open_file, stamp_of
+from .opening import main_video, open_file, timestamp_of
 
 log = logging.getLogger(__name__)
 
 
 class VideoReader:
-    """Decodes the pictures of one file in presentation order, from any time on. Not for use by two threads at once.
+    """Decodes the frames of one file in presentation order, from any time on. Not for use by two threads at once.
 
-    threads: decoder threads, 0 for as many as the machine has cores. skip: what the decoder may leave out ("NONREF":
-    pictures that no other needs, "NONKEY": all but keyframes). Frames are av frames; `to_planes` makes them pictures.
+    Parameters
+    ----------
+    facts
+        The file, as `probe` describes it.
+    threads
+        Decoder threads, 0 for as many as the machine has cores.
+    skip
+        What the decoder may leave out: "NONREF", pictures that no other needs; "NONKEY", all but keyframes.
+
+    Notes
+    -----
+    Frames are `av.VideoFrame`; `to_planes` makes pictures of them.
+
+    Examples
+    --------
+    >>> reader = VideoReader(probe("cam1.mp4"))  # doctest: +SKIP
+    >>> time_s, frame = next(reader.read(Fraction(10)))  # doctest: +SKIP
+    >>> picture = to_planes(frame, reader.facts)  # doctest: +SKIP
     """
 
     def __init__(self, facts: MediaFacts, *, threads: int = 0, skip: str = "") -> None:
@@ -39,12 +55,25 @@ class VideoReader:
         self._fresh = True
 
     def close(self) -> None:
+        """Closes the file."""
         self._container.close()
 
     def read(self, from_s: Fraction) -> Iterator[tuple[Fraction, Any]]:
-        """(time in seconds, frame) from the picture shown at ``from_s`` on; times rise.
+        """Frames in presentation order, from the one shown at ``from_s`` on.
 
-        Seeking goes to a keyframe before and decodes forward. Containers seek by decoding time, which with B-frames
+        Parameters
+        ----------
+        from_s
+            Seconds of the file's own time.
+
+        Yields
+        ------
+        time_s, frame
+            The frame's presentation time on the file's own time; rising.
+
+        Notes
+        -----
+        Seeks to a keyframe before ``from_s`` and decodes forward. Containers seek by decoding time, which with B-frames
         can land on a keyframe that is shown later than asked: then it goes back further.
         """
         goal, back = from_s + self.facts.tolerance_s, Fraction(0)
@@ -54,18 +83,18 @@ class VideoReader:
             if at_start and not self._fresh:
                 self.close()
                 self._reopen()
-            pictures = self._decoded()
-            held = next(pictures, None)
-            if at_start or (held is not None and held[0] <= goal):
+            frames = self._decoded()
+            shown = next(frames, None)
+            if at_start or (shown is not None and shown[0] <= goal):
                 break
             back = max(back * 2, Fraction(1))
-        if held is None:
+        if shown is None:
             return
-        for picture in pictures:
-            if held[0] > goal or picture[0] > goal:
-                yield held
-            held = picture
-        yield held
+        for following in frames:
+            if shown[0] > goal or following[0] > goal:
+                yield shown
+            shown = following
+        yield shown
 
     def _seek(self, target_s: Fraction) -> bool:
         try:
@@ -78,23 +107,23 @@ class VideoReader:
     def _decoded(self) -> Iterator[tuple[Fraction, Any]]:
         self._fresh = False
         tick, zero, name = self._stream.time_base, self.facts.zero_s, self.facts.path.name
-        bad = 0
+        damaged = 0
         packets = self._container.demux(self._stream)
         while True:
             try:
                 packet = next(packets, None)
                 frames = packet.decode() if packet is not None else []
             except FFmpegError as error:
-                bad += 1
-                if bad == 1:
+                damaged += 1
+                if damaged == 1:
                     log.warning("%s: a damaged part is left out (%s)", name, error.strerror)
-                if bad > 1000:
+                if damaged > 1000:
                     return
                 continue
             if packet is None:
                 return
             for frame in frames:
-                stamp = stamp_of(frame)
+                stamp = timestamp_of(frame)
                 if stamp is not None:
                     yield stamp * tick - zero, frame
 
@@ -111,7 +140,18 @@ class VideoReader:
         return self._keys
 
     def keyframe(self, near_s: Fraction) -> tuple[Fraction, Any] | None:
-        """(time, frame) of the keyframe nearest to ``near_s`` as far as the file's index knows; only it is decoded."""
+        """The keyframe nearest to ``near_s`` as far as the file's index knows; only it is decoded.
+
+        Parameters
+        ----------
+        near_s
+            Seconds of the file's own time.
+
+        Returns
+        -------
+        tuple or None
+            The keyframe's time on the file's own time, and the frame; None where none can be decoded.
+        """
         tick = self._stream.time_base
         target = int((near_s + self.facts.zero_s) / tick)
         keys = self._keyframe_stamps()
@@ -132,4 +172,4 @@ class VideoReader:
             log.warning("%s: no keyframe at %.1f s (%s)", self.facts.path.name, float(near_s), error.strerror)
             return None
         self._fresh = False
-        return (stamp_of(frames[0]) * tick - self.facts.zero_s, frames[0]) if frames else None
+        return (timestamp_of(frames[0]) * tick - self.facts.zero_s, frames[0]) if frames else None

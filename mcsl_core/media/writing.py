@@ -1,4 +1,4 @@
-"""Writing a file: pictures and sound through FFmpeg's encoders, under its own name only when it is whole."""
+"""Writing a file: pictures and audio through FFmpeg's encoders, under its own name only when it is complete."""
 
 from __future__ import annotations
 
@@ -27,27 +27,70 @@ _FORMATS = {".mp4": "mp4", ".m4v": "mp4", ".mov": "mov", ".mkv": "matroska"}
 
 @frozen
 class Encoding:
-    """How pictures and sound are coded. Names are FFmpeg's; options go to the encoder as they are."""
+    """How pictures and audio are coded. Names are FFmpeg's; options go to the encoder as they are.
+
+    Attributes
+    ----------
+    codec, options
+        The video encoder and its options.
+    pixel_format
+        What pictures are converted to before encoding.
+    audio_codec, audio_options
+        The audio encoder and its options.
+    tag
+        Four-character code where a player wants another than the muxer's, such as hvc1; empty for the muxer's.
+    """
 
     codec: str = "libx264"
     options: Mapping[str, str] = field(factory=lambda: {"preset": "superfast", "crf": "20"})
     pixel_format: str = "yuv420p"
     audio_codec: str = "aac"
     audio_options: Mapping[str, str] = field(factory=lambda: {"b": "192k"})
-    tag: str = ""  # four-character code where a player wants another than the muxer's, such as hvc1
+    tag: str = ""
 
 
 class VideoWriter:
-    """Writes one video file with sound: constant rate from timestamp 0, BT.709 limited range, nothing that identifies.
+    """Writes one video file with audio: constant rate from timestamp 0, BT.709 limited range, nothing that identifies.
 
     A context manager. The file grows under a hidden name beside ``path`` and takes its own name on a clean exit; on an
-    exception nothing is left. The same input gives the same bytes on the same machine. ``path`` ends in .mp4, .mov or
-    .mkv. size: (width, height), even. rate: frames per second. keyframe_interval: most frames from one keyframe to
-    the next. audio_rate: samples per second; None for a silent file. Pictures and sound are handed over in time
-    order, each for itself; which comes first does not matter.
+    exception nothing is left.
 
-    Raises UsageError for a size, codec or format that cannot be written, InputError where the folder cannot be
-    written to, MediaError when the encoder fails.
+    Parameters
+    ----------
+    path
+        Ends in .mp4, .m4v, .mov or .mkv.
+    size
+        (width, height), even.
+    rate
+        Frames per second.
+    encoding
+        How to code; `Encoding`'s defaults without.
+    keyframe_interval
+        Most frames from one keyframe to the next; the encoder's own without.
+    audio_rate
+        Samples per second; None for a file without audio.
+    audio_channels
+        1 or 2.
+
+    Raises
+    ------
+    UsageError
+        For a size, codec or format that cannot be written.
+    InputError
+        Where the folder cannot be written to.
+    MediaError
+        When the encoder fails.
+
+    Notes
+    -----
+    The same input gives the same bytes on the same machine. Pictures and audio are handed over in time order, each for
+    itself; which comes first does not matter.
+
+    Examples
+    --------
+    >>> with VideoWriter("out.mp4", size=(1920, 1080), rate=Fraction(25)) as writer:  # doctest: +SKIP
+    ...     for picture in pictures:
+    ...         writer.write(picture)
     """
 
     def __init__(
@@ -145,7 +188,7 @@ class VideoWriter:
         return stream
 
     def write(self, picture: U8 | Planes) -> None:
-        """Appends one picture of the file's size."""
+        """Appends one picture of the file's size: planes, or (H, W, 3) BGR."""
         planes = picture if isinstance(picture, Planes) else bgr_to_planes(picture)
         if planes.size != self.size:
             raise ValueError(f"a picture of {planes.size} for a file of {self.size}")
@@ -157,7 +200,13 @@ class VideoWriter:
         self.frames += 1
 
     def write_audio(self, samples: NDArray[np.float32]) -> None:
-        """Appends sound, (n, channels) or (n,) for one channel, in -1..1."""
+        """Appends audio.
+
+        Parameters
+        ----------
+        samples
+            (n, channels), or (n,) for one channel, in -1..1.
+        """
         if self._audio is None:
             raise ValueError("this file was opened without sound")
         samples = np.asarray(samples, np.float32)
@@ -181,7 +230,7 @@ class VideoWriter:
             raise MediaError(
                 f"writing failed after {self.frames} frames ({error})",
                 where=str(self.path),
-                remedy="Look whether the disk is full, or choose other encoder settings",
+                remedy="Check whether the disk is full, or choose other encoder settings",
             ) from error
 
     def __exit__(
@@ -190,7 +239,7 @@ class VideoWriter:
         try:
             if kind is None:
                 if not self.frames:
-                    raise MediaError("no picture was written", where=str(self.path), remedy="Choose a longer stretch")
+                    raise MediaError("no picture was written", where=str(self.path), remedy="Choose a longer range")
                 self._mux(self._video, None)
                 if self._audio is not None:
                     self._mux(self._audio, None)
@@ -207,7 +256,7 @@ class VideoWriter:
             raise MediaError(
                 f"the file could not be finished ({error})",
                 where=str(self.path),
-                remedy="Look whether the disk is full",
+                remedy="Check whether the disk is full",
             ) from error
 
     def _rename(self) -> None:

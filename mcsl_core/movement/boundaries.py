@@ -1,8 +1,8 @@
-"""One side of a movement to the frame: its start, or looking backwards in time its end.
+"""One boundary of a movement to the frame: its start or, backwards in time, its end.
 
-Every camera's common displacement from the view at rest, over all cameras together: they sit on one lamp, so each has
-gone the same share of its way. On simulated recordings the pooled curve is known to 0.02 px, and a turn of 20 s is seen
-within a third of a second.
+Every camera's common displacement against a template at rest, over all cameras together: they sit on one lamp, so each
+has gone the same share of its way. On simulated recordings the pooled curve is known to 0.02 px, and a turn of 20 s is
+seen within a third of a second.
 """
 
 from __future__ import annotations
@@ -17,92 +17,137 @@ from numpy.typing import NDArray
 from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.sample_store import SAMPLE_HEIGHT
 
-from .displacement import Grey, Standing, texture
+from .displacement import Grey, Template, common_sizes, texture
 from .onset import onset
 
 Array = NDArray[np.float64]
 
-REST_LOOKS = 5  # looks whose median is the view at rest, every third of them taken: a hand that passes is not in it
-REST_STRIDE = 3
-FOUND = 0.1  # share of patches found again with which a view counts; of one that has moved on 0.00 to 0.05 are
-FOUND_STEADY = 0.2  # the same of patches that are background, of which heads cover fewer and chance finds up to 0.15
-LOST_LOOKS = 6
+REST_FRAMES = 5  # frames whose median is the template at rest: a hand that passes is not in it
+REST_STRIDE = 3  # of the first frames every third is taken for it
+LEAST_SHARE = 0.1  # of patches found again for a camera to count; once it has moved on, 0.00 to 0.05 are found
+LEAST_BACKGROUND_SHARE = 0.2  # the same of background patches, of which heads occlude some and chance finds up to 0.15
+LOST_FRAMES = 6
 LOST_SAMPLES = 3
-AT_REST_PX = 0.1  # a view this near to its place, over all cameras, has not moved: between samples the error is 0.05
-STEADY_PX = 0.3  # patches that lie this still in the looks at rest are background
+AT_REST_PX = 0.1  # the median over all cameras up to which none has moved: between samples the error is 0.05
+STEADY_PX = 0.3  # patches that lie this still in the frames at rest are background
 NOISE_PX = 0.02
 RISEN = 0.7
-AT_ONCE_PX = 0.3  # a curve that ends below it shows no course: the lamp was gone from one look to the next
-FITTED_PX = 1.3  # the curve is fitted up to here: beyond, patches are lost and the linear step falls behind
+ABRUPT_PX = 0.3  # a curve that ends below it shows no growth: the lamp was gone from one frame to the next
+MAX_FITTED_PX = 1.3  # the curve is fitted up to here: beyond, patches are lost and the linear step falls behind
 
 
-def bracket(looks: Iterable[Mapping[str, Grey]]) -> tuple[int, int]:
-    """(the last of ``looks`` that shows the view at rest, which the first does; the first after it that does not).
+@frozen(eq=False)
+class CloseSampling:
+    """Close sampling in time about one boundary of a movement.
 
-    looks: camera -> texture, in order away from rest; read no farther than needed.
+    Attributes
+    ----------
+    footage
+        The cameras on the programme clock.
+    cameras
+        Their names.
+    step_s
+        Seconds from one frame to the next.
+    lead_frames
+        How many of its frames lie before the sample at rest.
     """
-    standing: dict[str, Standing] = {}
+
+    footage: Footage
+    cameras: Sequence[str]
+    step_s: float
+    lead_frames: int = field(default=25)
+
+    def textures(self, camera: str, frames: Sequence[int]) -> dict[int, Grey]:
+        """Programme frame -> texture of ``camera``, of those with a picture."""
+        pictures = self.footage.pictures(camera, sorted(frames), height=SAMPLE_HEIGHT)
+        return {frame: texture(picture) for frame, picture in pictures if picture is not None}
+
+
+@frozen(eq=False)
+class DisplacementCurve:
+    """One camera's displacement against its template at rest, over N frames; NaN where there is no data.
+
+    Attributes
+    ----------
+    share
+        (N,): share of the background patches found again, 0..1.
+    common
+        (N, 4): as `Displacement.common`.
+    """
+
+    share: Array
+    common: Array
+
+
+def bracket_boundary(samples: Iterable[Mapping[str, Grey]]) -> tuple[int, int]:
+    """The two samples between which the lamp leaves its position.
+
+    Parameters
+    ----------
+    samples
+        Camera -> texture, in order away from rest; the first is at rest. Read no farther than needed.
+
+    Returns
+    -------
+    rest, gone
+        Positions of the last sample at rest and of the first after it that is not.
+    """
+    templates: dict[str, Template] = {}
     rest, gone, last = 0, 0, 0
-    for last, look in enumerate(looks):
-        if not standing:
-            standing = {camera: Standing.of([one]) for camera, one in look.items()}
+    for last, textures in enumerate(samples):
+        if not templates:
+            templates = {camera: Template.of([one]) for camera, one in textures.items()}
             continue
-        shifts = [s for c, one in look.items() if c in standing and (s := standing[c].shift(one)) is not None]
-        sizes = [float(np.linalg.norm(c)) for s in shifts if s.share() > FOUND and (c := s.common()) is not None]
-        found = len(sizes) >= max(1, min(2, len(shifts)))
+        displacements = [templates[c].displacement(one) for c, one in textures.items() if c in templates]
+        usable = [d for d in displacements if d is not None]
+        sizes = common_sizes(usable, least_share=LEAST_SHARE)
+        found = len(sizes) >= max(1, min(2, len(usable)))
         if found and np.median(sizes) < AT_REST_PX:
             rest, gone = last, 0
-        elif not gone and (not found or np.median(sizes) > FITTED_PX):
+        elif not gone and (not found or np.median(sizes) > MAX_FITTED_PX):
             gone = last
         if gone and last - gone >= LOST_SAMPLES:  # for good, not behind a head that passes
             break
     return rest, gone or last
 
 
-@frozen(eq=False)
-class CloseLook:
-    """How to look closely: at all ``cameras``, ``step_s`` apart, beginning ``looks`` before the sample at rest."""
+def boundary_time(sampling: CloseSampling, rest: int, moving: int, bound: int) -> float | None:
+    """The instant, in frames, at which the lamp begins to move (``rest`` < ``moving``) or comes to rest.
 
-    footage: Footage
-    cameras: Sequence[str]
-    step_s: float
-    looks: int = field(default=25)
+    Parameters
+    ----------
+    sampling
+        How to sample.
+    rest
+        A programme frame at which the lamp stands, perhaps a second off.
+    moving
+        One by which it surely moves.
+    bound
+        How far beyond ``rest`` may be read.
 
-    def textures(self, camera: str, frames: Sequence[int]) -> dict[int, Grey]:
-        pictures = self.footage.pictures(camera, sorted(frames), height=SAMPLE_HEIGHT)
-        return {frame: texture(picture) for frame, picture in pictures if picture is not None}
+    Returns
+    -------
+    float or None
+        None where no camera shows it.
 
-
-@frozen(eq=False)
-class Course:
-    """One camera's way from its view at rest. share: (N,) patches found again; common: (N, 4) as `Shift.common`; both
-    NaN where there is no data."""
-
-    share: Array
-    common: Array
-
-
-def time_side(look: CloseLook, rest: int, moving: int, bound: int) -> float | None:
-    """The instant, in frames, at which the lamp leaves (``rest`` < ``moving``) or reaches its place.
-
-    rest: a frame at which it stands, perhaps a second off; moving: one by which it surely moves; bound: as far as may
-    be looked beyond rest. None where no camera shows it. Where the curve is not flat at its beginning, the look begins
-    earlier.
+    Notes
+    -----
+    Where the curve is not flat at its beginning, sampling begins earlier, up to four times.
     """
-    rate = float(look.footage.rate)
-    step = max(1, round(look.step_s * rate))
+    rate = float(sampling.footage.rate)
+    step = max(1, round(sampling.step_s * rate))
     forward = 1 if moving >= rest else -1
-    margin = look.looks * step
-    moving = min(max(moving, 0), look.footage.frames - 1)
+    margin = sampling.lead_frames * step
+    moving = min(max(moving, 0), sampling.footage.frames - 1)
     begin, found = rest, None
     for _ in range(4):
         begin = rest - forward * margin
         begin = max(begin, bound) if forward > 0 else min(begin, bound)
         order = list(range(begin, moving + forward, forward * step))
-        if len(order) < REST_LOOKS + 2:
+        if len(order) < REST_FRAMES + 2:
             return None
-        found = _leaving(_courses(look, order))
-        if found is not None and found > REST_LOOKS * REST_STRIDE:
+        found = _onset_position(_curves(sampling, order))
+        if found is not None and found > REST_FRAMES * REST_STRIDE:
             return begin + forward * step * found
         if begin == bound:
             break
@@ -110,43 +155,43 @@ def time_side(look: CloseLook, rest: int, moving: int, bound: int) -> float | No
     return None if found is None else begin + forward * step * found
 
 
-def _courses(look: CloseLook, order: Sequence[int]) -> list[Course]:
-    """Every camera's way along the frames of ``order``, whose first are at rest."""
-
-    def course(camera: str) -> Course | None:
-        textures = look.textures(camera, order)
-        first = [textures[frame] for frame in order if frame in textures][: REST_LOOKS * REST_STRIDE]
-        if len(first) < 2:
-            return None
-        standing = Standing.of(first[::REST_STRIDE]).at_rest(first, STEADY_PX)
-        share, common = np.full(len(order), np.nan), np.full((len(order), 4), np.nan)
-        for i, frame in enumerate(order):
-            shift = standing.shift(textures[frame]) if frame in textures else None
-            if shift is not None:
-                share[i] = shift.share()
-                together = shift.common()
-                if together is not None:
-                    common[i] = together
-        return Course(share, common)
-
+def _curves(sampling: CloseSampling, order: Sequence[int]) -> list[DisplacementCurve]:
+    """Every camera's curve along the frames of ``order``, whose first are at rest; of those with a picture there."""
     with ThreadPoolExecutor(max_workers=2) as workers:
-        return [c for c in workers.map(course, look.cameras) if c is not None]
+        found = workers.map(lambda camera: _curve(sampling.textures(camera, order), order), sampling.cameras)
+        return [curve for curve in found if curve is not None]
 
 
-def _leaving(courses: Sequence[Course]) -> float | None:
-    """The position, in looks, at which the lamp leaves its place; None where no camera shows it."""
-    live = [c for c in courses if (c.share[: REST_LOOKS * REST_STRIDE] > FOUND_STEADY).mean() > 0.5]
+def _curve(textures: Mapping[int, Grey], order: Sequence[int]) -> DisplacementCurve | None:
+    at_rest = [textures[frame] for frame in order if frame in textures][: REST_FRAMES * REST_STRIDE]
+    if len(at_rest) < 2:
+        return None
+    template = Template.of(at_rest[::REST_STRIDE]).background_only(at_rest, STEADY_PX)
+    share, common = np.full(len(order), np.nan), np.full((len(order), 4), np.nan)
+    for i, frame in enumerate(order):
+        displacement = template.displacement(textures[frame]) if frame in textures else None
+        if displacement is not None:
+            share[i] = displacement.share()
+            together = displacement.common()
+            if together is not None:
+                common[i] = together
+    return DisplacementCurve(share, common)
+
+
+def _onset_position(curves: Sequence[DisplacementCurve]) -> float | None:
+    """The position along the curves at which the lamp begins to move; None where no camera shows it."""
+    live = [c for c in curves if (c.share[: REST_FRAMES * REST_STRIDE] > LEAST_BACKGROUND_SHARE).mean() > 0.5]
     if not live:
         return None
-    near = np.array([c.share > FOUND_STEADY for c in live])  # (C, N); NaN is not near
-    way = np.array([np.where(n[:, None], c.common, np.nan) for n, c in zip(near, live, strict=True)])
+    visible = np.array([c.share > LEAST_BACKGROUND_SHARE for c in live])  # (C, N); NaN is not visible
+    way = np.array([np.where(n[:, None], c.common, np.nan) for n, c in zip(visible, live, strict=True)])
     size = _median(np.linalg.norm(way, axis=2), axis=0)
-    gone = _gone_for_good((near.sum(axis=0) >= min(2, len(live))) & (size <= FITTED_PX))
+    gone = _lost_for_good((visible.sum(axis=0) >= min(2, len(live))) & (size <= MAX_FITTED_PX))
     top = gone - 1
     # The curve is judged along the direction of its end: noise across it does not count, and that along it has no bias.
     toward = way[:, top]
     length = np.linalg.norm(toward, axis=1)
-    if not float(_median(length, axis=0)) > AT_ONCE_PX:
+    if not float(_median(length, axis=0)) > ABRUPT_PX:
         return top + 0.5
     share = np.einsum("cnk,ck->cn", way[:, :gone], toward) / length[:, None] ** 2
     curve = _median(share, axis=0) * float(np.nanmedian(length))
@@ -158,10 +203,10 @@ def _leaving(courses: Sequence[Course]) -> float | None:
     return onset(np.arange(float(len(curve))), curve, noise=noise)
 
 
-def _gone_for_good(enough: NDArray[np.bool_]) -> int:
-    """The first look at which the view at rest is lost and stays so, not for a hand that passes."""
+def _lost_for_good(enough: NDArray[np.bool_]) -> int:
+    """The first position at which the template is lost and stays so, not for a hand that passes."""
     for i in range(1, len(enough)):
-        if not enough[i : i + LOST_LOOKS].any():
+        if not enough[i : i + LOST_FRAMES].any():
             return i
     return len(enough)
 

@@ -1,4 +1,4 @@
-"""When a curve leaves zero: the instant at which a lamp begins to move, or by looking backwards comes to rest.
+"""Onset of a curve: the instant at which a lamp begins to move or, backwards in time, comes to rest.
 
 A lamp that is pushed eases in: half a second after the start of a slow turn it has moved a tenth of a pixel. So the
 start is not where the displacement is seen, but where the curve that is seen later comes from.
@@ -22,9 +22,24 @@ SIGNIFICANT = 25.0
 def onset(times: Array, curve: Array, *, noise: float) -> float:
     """The instant at which ``curve``, at rest before, begins to grow.
 
-    times: (N,) rising. curve: (N,) displacement in pixels, NaN where there is no data. Fitted by least squares is
-    b + a (t - t0)^p after t0 and b before, for t0 over all instants and p of `POWERS`; no simulated or real profile is
-    assumed. Growth that ``noise`` (px) explains has no onset: then the last instant is returned.
+    Parameters
+    ----------
+    times
+        (N,), rising.
+    curve
+        (N,) displacement in pixels, NaN where there is no data.
+    noise
+        Standard deviation of the curve, pixels.
+
+    Returns
+    -------
+    float
+        On the scale of ``times``; the last of them where ``noise`` explains the growth.
+
+    Notes
+    -----
+    Fitted by least squares is b + a (t - t0)^p after t0 and b before, for t0 over all instants and p of `POWERS`; no
+    simulated or real profile is assumed.
     """
     known = ~np.isnan(curve)
     t, d = times[known], curve[known]

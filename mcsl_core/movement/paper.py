@@ -1,8 +1,8 @@
-"""The paper's way of finding lamp movements: the degree of misalignment of points that the cameras share.
+"""The paper's movement detection: the degree of misalignment (DOM) of correspondences between the cameras.
 
 Section "View Alignment" of the paper, whose symbols stand here: d_DOM (px of the full-size pictures), tau_DOM, m,
-N_sub, t_mov, t_hom, d_DOO. It says when the lamp begins to move; where it stands again, which an analysis needs too, is
-told at `_settled`.
+N_sub, t_mov, t_hom, d_DOO. It says when the lamp begins to move; how the end of a movement is found, which an analysis
+needs too, is told at `_end_of_movement`.
 """
 
 from __future__ import annotations
@@ -33,11 +33,18 @@ Array = NDArray[np.float64]
 
 
 @frozen(eq=False)
-class Shared:
-    """The points that two cameras share, over all samples. moment: (M,) rising positions of samples; a, b: (M, 2)
-    full-size pixels of either camera."""
+class Correspondences:
+    """The correspondences between two cameras, over all samples.
 
-    moment: NDArray[np.int64]
+    Attributes
+    ----------
+    sample
+        (M,) positions of the samples they come from, rising.
+    a, b
+        (M, 2) full-size pixels of either camera.
+    """
+
+    sample: NDArray[np.int64]
     a: Array
     b: Array
 
@@ -45,10 +52,25 @@ class Shared:
 Pair = tuple[str, str]
 
 
-def corresponding(a: Array, b: Array, within_px: float, least: int = 10) -> NDArray[np.bool_]:
-    """(M,) which of the matched points a, b (M, 2) correspond: those that agree on some homography ``within_px``; none
-    where fewer than ``least`` do.
+def homography_inliers(a: Array, b: Array, within_px: float, least: int = 10) -> NDArray[np.bool_]:
+    """Which matches are inliers of some homography, by RANSAC.
 
+    Parameters
+    ----------
+    a, b
+        (M, 2) matched points, pixels.
+    within_px
+        Largest reprojection error of an inlier.
+    least
+        Fewer inliers than that count as none.
+
+    Returns
+    -------
+    NDArray
+        (M,) bool.
+
+    Notes
+    -----
     The paper takes its matches as they are; here 6 of 10 are chance on drapes, and their errors of 100 px and more bury
     every movement (d_DOM 65 to 99 px with and without one).
     """
@@ -59,22 +81,39 @@ def corresponding(a: Array, b: Array, within_px: float, least: int = 10) -> NDAr
     return agree if agree.sum() >= least else np.zeros(len(a), bool)
 
 
-def degree_of_misalignment(shared: Mapping[Pair, Shared], homographies: Mapping[str, Array], moments: int) -> Array:
-    """(moments,) d_DOM: the mean of ||H_c->c'(p_c) - p_c'|| over all correspondences of all ordered pairs of cameras.
+def degree_of_misalignment(
+    correspondences: Mapping[Pair, Correspondences], homographies: Mapping[str, Array], samples: int
+) -> Array:
+    """d_DOM: the mean of ||H_c->c'(p_c) - p_c'|| over all correspondences of all ordered pairs of cameras.
 
-    homographies: camera -> 3x3, to the reference camera, as calibrated while the lamp stood; H_c->c' follows from two
-    of them. NaN where no correspondence is found: no data, never 0.
+    Parameters
+    ----------
+    correspondences
+        Of every two cameras.
+    homographies
+        Camera -> (3, 3) to the reference camera, as calibrated while the lamp stood; H_c->c' follows from two of them.
+    samples
+        How many there are.
+
+    Returns
+    -------
+    Array
+        (samples,) pixels; NaN where there is no correspondence: no data, never 0.
+
+    References
+    ----------
+    The paper, section "View Alignment", d_DOM.
     """
-    total, count = np.zeros(moments), np.zeros(moments)
-    for (a, b), points in shared.items():
-        if a not in homographies or b not in homographies or not len(points.moment):
+    total, count = np.zeros(samples), np.zeros(samples)
+    for (a, b), points in correspondences.items():
+        if a not in homographies or b not in homographies or not len(points.sample):
             continue
         there = np.asarray(np.linalg.inv(homographies[b]) @ homographies[a], np.float64)
         back = np.asarray(np.linalg.inv(there), np.float64)
         for warp, source, target in ((there, points.a, points.b), (back, points.b, points.a)):
             error = np.hypot(*(transform_points(warp, source) - target).T)
-            total += np.bincount(points.moment, error, moments)
-            count += np.bincount(points.moment, minlength=moments)
+            total += np.bincount(points.sample, error, samples)
+            count += np.bincount(points.sample, minlength=samples)
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)
 
 
@@ -107,15 +146,25 @@ def moving_average(values: Array, width: int) -> Array:
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)
 
 
-def rise(frames: NDArray[np.int64], above: NDArray[np.bool_], *, within: float, least: int) -> int | None:
-    """The first of ``frames`` from which on ``above`` holds ``least`` times or more within ``within`` frames."""
+def first_exceedance(frames: NDArray[np.int64], above: NDArray[np.bool_], *, within: float, least: int) -> int | None:
+    """The first of ``frames`` from which on ``above`` holds ``least`` times or more in ``within`` frames.
+
+    Parameters
+    ----------
+    frames
+        (N,) programme frames, rising.
+    above
+        (N,) whether d_DOM exceeds tau_DOM.
+    within, least
+        The paper's m in frames, and its four times.
+    """
     over = frames[above]
     counts = np.searchsorted(over, over + within) - np.arange(len(over))
     found = np.flatnonzero(counts >= least)
     return int(over[found[0]]) if len(found) else None
 
 
-def elected(votes: Sequence[int], *, within: float) -> int | None:
+def median_vote(votes: Sequence[int], *, within: float) -> int | None:
     """t_mov: the median of the votes that lie ``within`` frames of the first; None without any."""
     near = [v for v in votes if v - min(votes) < within]
     return int(np.median(near)) if near else None
@@ -125,14 +174,37 @@ def elected(votes: Sequence[int], *, within: float) -> int | None:
 class DegreeOfMisalignment:
     """The paper's movement detector.
 
-    segment_s: N_sub in seconds. hop_s: m; every hop a segment begins, the first ones before the recording does, so that
-    each moment lies in equally many. A segment votes for the frame from which on d_DOM exceeds tau_DOM ``times`` or
-    more within m seconds; the median of the votes within m seconds is t_mov. smooth: samples of the average. clear:
-    d_DOO below it is clear. run: n, clear samples in a row from which homographies are calibrated (the paper gives no
-    number for these two). relief: share of the diagonal that a correspondence may lie off its moment's plane.
+    A segment votes for the frame from which on d_DOM exceeds tau_DOM ``times`` or more within m seconds; the median of
+    the votes within m seconds is t_mov.
 
+    Parameters
+    ----------
+    segment_s
+        N_sub in seconds.
+    hop_s
+        m in seconds; every hop a segment begins, the first ones before the recording does, so that each sample lies in
+        equally many.
+    times
+        How often d_DOM must exceed the threshold.
+    smooth
+        Samples of the moving average.
+    clear
+        d_DOO below it is clear. The paper gives no number.
+    run
+        n, clear samples in a row from which homographies are calibrated. The paper gives no number.
+    relief
+        Share of the diagonal that a correspondence may lie off its sample's plane.
+    matcher
+        Finds the correspondences.
+
+    Notes
+    -----
     Since tau is twice the mean, only segments with the movement in their second half see it; and with several movements
     in ten minutes, which the paper assumes not to be, only some are found.
+
+    References
+    ----------
+    The paper, section "View Alignment".
     """
 
     segment_s: float = field(default=600.0)
@@ -146,67 +218,74 @@ class DegreeOfMisalignment:
     name = "paper"
 
     def detect(self, samples: SampleStore, footage: Footage, progress: Progress) -> Detection:
-        """The movements, in order, on the programme clock; the curve is the smoothed d_DOM against the calibration of
-        the pose it belongs to."""
+        """The movements, in order, on the programme clock.
+
+        The curve is the smoothed d_DOM against the calibration of the pose it belongs to.
+        """
         progress.stage("Finding points that cameras share", len(samples), "samples")
-        shared, doo = self._look(samples, footage, progress)
+        correspondences, doo = self._correspondences(samples, footage, progress)
         frames = np.array(samples.frames, np.int64)
         values, bounds = np.full(len(frames), np.nan), np.full(len(frames), np.nan)
         found: list[Movement] = []
         begin = 0
-        homographies, used = self._calibrated(shared, doo, begin, footage)
+        homographies, used = self._calibrate(correspondences, doo, begin, footage)
         while used is not None:
-            dom = degree_of_misalignment(shared, homographies, len(frames))
-            smoothed, tau, at = self._searched(dom, frames, begin, float(footage.rate))
+            dom = degree_of_misalignment(correspondences, homographies, len(frames))
+            smoothed, tau, at = self._search_segments(dom, frames, begin, float(footage.rate))
             values[begin:], bounds[begin:] = smoothed[begin:], tau[begin:]
             if at is None:
                 break
-            homographies, used = self._calibrated(shared, doo, at + 1, footage)
+            homographies, used = self._calibrate(correspondences, doo, at + 1, footage)
             end = len(frames) - 1
             if used is not None:
-                end = self._settled(degree_of_misalignment(shared, homographies, len(frames)), at, used)
+                dom = degree_of_misalignment(correspondences, homographies, len(frames))
+                end = self._end_of_movement(dom, at, used)
             found.append(Movement(FrameRange(int(frames[at]), int(max(frames[end], frames[at] + 1))), 0.5))
             begin = end
         return Detection(tuple(found), Curve("degree of misalignment", "px", frames, values, bounds))
 
-    def _look(self, samples: SampleStore, footage: Footage, progress: Progress) -> tuple[dict[Pair, Shared], Array]:
-        """What every two cameras share at every sample, and d_DOO there."""
+    def _correspondences(
+        self, samples: SampleStore, footage: Footage, progress: Progress
+    ) -> tuple[dict[Pair, Correspondences], Array]:
+        """The correspondences of every two cameras over all samples, and d_DOO at each."""
         pairs = list(combinations(samples.cameras, 2))
-        moments: dict[Pair, list[int]] = {pair: [] for pair in pairs}
+        positions: dict[Pair, list[int]] = {pair: [] for pair in pairs}
         points: dict[Pair, list[tuple[Array, Array]]] = {pair: [] for pair in pairs}
-        doo, grow = np.full(len(samples), np.nan), {}
+        doo, to_full_size = np.full(len(samples), np.nan), {}
         with ThreadPoolExecutor(max_workers=2) as workers:
-            for i, moment in enumerate(samples):
-                seen = {name: p for name, p in moment.pictures.items() if p is not None}
-                doo[i] = degree_of_occlusion([field_area(p) for p in seen.values()])
-                for name, p in seen.items():
-                    grow.setdefault(name, scaling((p.shape[1], p.shape[0]), footage.camera(name).size))
-                features = dict(zip(seen, workers.map(self.matcher.features, seen.values()), strict=True))
+            for i, sample in enumerate(samples):
+                pictures = {name: p for name, p in sample.pictures.items() if p is not None}
+                doo[i] = degree_of_occlusion([field_area(p) for p in pictures.values()])
+                for name, p in pictures.items():
+                    to_full_size.setdefault(name, scaling((p.shape[1], p.shape[0]), footage.camera(name).size))
+                features = dict(zip(pictures, workers.map(self.matcher.features, pictures.values()), strict=True))
                 for a, b in pairs:
                     if a not in features or b not in features:
                         continue
                     matched = self.matcher.match(features[a], features[b])
-                    here, there = (features[n].points[matched[:, k]].astype(np.float64) for k, n in enumerate((a, b)))
-                    kept = corresponding(here, there, self.relief * float(np.hypot(*features[b].size)))
-                    moments[a, b] += [i] * int(kept.sum())
-                    points[a, b].append((here[kept], there[kept]))
+                    points_a = features[a].points[matched[:, 0]].astype(np.float64)
+                    points_b = features[b].points[matched[:, 1]].astype(np.float64)
+                    within_px = self.relief * float(np.hypot(*features[b].size))
+                    kept = homography_inliers(points_a, points_b, within_px)
+                    positions[a, b] += [i] * int(kept.sum())
+                    points[a, b].append((points_a[kept], points_b[kept]))
                 progress.advance(i + 1)
-        return {
-            (a, b): Shared(
-                np.array(moments[a, b], np.int64),
-                transform_points(grow[a], np.concatenate([p for p, _ in points[a, b]])),
-                transform_points(grow[b], np.concatenate([p for _, p in points[a, b]])),
-            )
-            for a, b in pairs
-            if points[a, b]
-        }, doo
+        found = {}
+        for (a, b), pieces in points.items():
+            if pieces:
+                all_a, all_b = (np.concatenate(side) for side in zip(*pieces, strict=True))
+                all_a, all_b = transform_points(to_full_size[a], all_a), transform_points(to_full_size[b], all_b)
+                found[a, b] = Correspondences(np.array(positions[a, b], np.int64), all_a, all_b)
+        return found, doo
 
-    def _calibrated(
-        self, shared: Mapping[Pair, Shared], doo: Array, begin: int, footage: Footage
+    def _calibrate(
+        self, correspondences: Mapping[Pair, Correspondences], doo: Array, begin: int, footage: Footage
     ) -> tuple[Mapping[str, Array], NDArray[np.int64] | None]:
-        """(homographies to the reference, t_hom: the samples they are calibrated from): the first run of clear samples
-        that begins within a minute from ``begin`` on, else the clearest run of that minute: a later one may belong to
-        another pose. (.., None) where nothing is left."""
+        """(homographies to the reference camera, t_hom: the samples they are calibrated from).
+
+        The first run of clear samples that begins within a minute from ``begin`` on, else the clearest run of that
+        minute: a later one may belong to another pose. (.., None) where nothing is left.
+        """
         known = np.nan_to_num(doo, nan=np.inf)
         starts = range(begin, min(begin + 60, len(doo) - self.run + 1))
         if not starts:
@@ -216,13 +295,13 @@ class DegreeOfMisalignment:
         first = starts[int(clear[0] if len(clear) else worst.argmin())]
         used = np.arange(first, first + self.run)
         pooled = {}
-        for pair, points in shared.items():
-            inside = [points.moment == i for i in used]
+        for pair, points in correspondences.items():
+            inside = [points.sample == i for i in used]
             pooled[pair] = pool([(points.a[k], points.b[k], np.ones(int(k.sum()))) for k in inside])
         sizes = {c.name: c.size for c in footage.cameras}
         return JointPlane().align(pooled, sizes, footage.cameras[0].name).homographies, used
 
-    def _searched(
+    def _search_segments(
         self, dom: Array, frames: NDArray[np.int64], begin: int, rate: float
     ) -> tuple[Array, Array, int | None]:
         """(smoothed d_DOM, tau_DOM, the position of t_mov or None) from sample ``begin`` on."""
@@ -236,19 +315,22 @@ class DegreeOfMisalignment:
         while start <= frames[-1]:
             inside = np.arange(len(frames))[(frames >= max(start, frames[begin])) & (frames < start + segment)]
             tau = threshold(smoothed[inside])
-            vote = rise(frames[inside], smoothed[inside] > tau, within=hop, least=self.times)
+            vote = first_exceedance(frames[inside], smoothed[inside] > tau, within=hop, least=self.times)
             if vote is not None:
                 votes.append(vote)
             for i in inside:
                 taus[i].append(tau)
             start += hop
-        elect = elected(votes, within=hop)
+        elect = median_vote(votes, within=hop)
         at = None if elect is None else int(np.searchsorted(frames, elect))
         return smoothed, np.array([np.median(t) if t else np.nan for t in taus]), at
 
-    def _settled(self, dom: Array, at: int, used: NDArray[np.int64]) -> int:
-        """The position from which on the lamp stands again: walking back from t_hom, how long d_DOM against the new
-        calibration stays as small as at t_hom (twice its median there, at least a pixel more)."""
+    def _end_of_movement(self, dom: Array, at: int, used: NDArray[np.int64]) -> int:
+        """The position from which on the lamp stands again.
+
+        Walking back from t_hom, how long d_DOM against the new calibration stays as small as at t_hom (twice its median
+        there, at least a pixel more).
+        """
         usual = float(np.nanmedian(dom[used])) if not np.isnan(dom[used]).all() else 0.0
         bound = max(2 * usual, usual + 1)
         dom = moving_average(without_outliers(dom), 3)

@@ -15,26 +15,22 @@ from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.sample_store import SampleStore
 
 
-class MovementDetector(Protocol):
-    """Finds the stretches in which the lamp moves."""
-
-    @property
-    def name(self) -> str: ...
-
-    def detect(self, samples: SampleStore, footage: Footage, progress: Progress) -> Detection:
-        """Movements in order, not overlapping, inside [0, footage.frames), and the curve they were judged by.
-
-        samples: the recording about once a second, reduced; iterate it. footage: for a closer look at full rate.
-        """
-        ...
-
-
 @frozen(eq=False)
 class Curve:
-    """A measure over time and the bound it was judged by, for reports.
+    """A measure over time and the threshold it was judged by, for reports.
 
-    label: what is measured, in words, e.g. "degree of misalignment". unit: "px", or "" for a share. frames: (N,)
-    rising programme frames. values: (N,), NaN without data. threshold: (N,), NaN where none applies.
+    Attributes
+    ----------
+    label
+        What is measured, in words: "degree of misalignment".
+    unit
+        "px", or "" for a share.
+    frames
+        (N,) programme frames, rising.
+    values
+        (N,), NaN without data.
+    threshold
+        (N,), NaN where none applies.
     """
 
     label: str
@@ -48,7 +44,7 @@ class Curve:
             raise ValueError("frames, values and threshold of a curve must be equally many")
 
     def arrays(self) -> dict[str, NDArray]:
-        """Everything in it, as arrays that .npz files take; `from_arrays` is the way back."""
+        """Everything in it, as arrays that .npz files take; `from_arrays` is the inverse."""
         return {
             "movement_label": np.array([self.label, self.unit]),
             "movement_frames": self.frames,
@@ -58,7 +54,15 @@ class Curve:
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray]) -> Curve:
-        """KeyError where an array is missing, ValueError where one does not fit."""
+        """The curve that `arrays` wrote.
+
+        Raises
+        ------
+        KeyError
+            Where an array is missing.
+        ValueError
+            Where the lengths differ.
+        """
         label, unit = (str(word) for word in arrays["movement_label"])
         return cls(
             label,
@@ -74,7 +78,36 @@ NO_CURVE = Curve("", "", np.zeros(0, np.int64), np.zeros(0), np.zeros(0))
 
 @frozen(eq=False)
 class Detection:
-    """What a movement detector found, and the curve it judged by."""
+    """What a movement detector found, and the curve it judged by.
+
+    Attributes
+    ----------
+    movements
+        In order, not overlapping.
+    curve
+        Empty where the detector has none.
+    """
 
     movements: tuple[Movement, ...]
     curve: Curve = field(default=NO_CURVE)
+
+
+class MovementDetector(Protocol):
+    """Finds when the lamp moves."""
+
+    @property
+    def name(self) -> str: ...
+
+    def detect(self, samples: SampleStore, footage: Footage, progress: Progress) -> Detection:
+        """Movements in order, not overlapping, inside [0, footage.frames), and the curve they were judged by.
+
+        Parameters
+        ----------
+        samples
+            The recording about once a second, downscaled; iterate it.
+        footage
+            All pictures, for sampling at full rate.
+        progress
+            To be told of stages.
+        """
+        ...

@@ -1,1 +1,1 @@
-"""The recording: which files are cameras, their pictures and sound on the programme clock, and the samples of it."""
+"""The recording: which files are cameras, their pictures and audio on the programme clock, samples of all cameras."""

@@ -1,4 +1,4 @@
-"""The sound of a camera on the programme clock: mono float32 in -1..1, offset and drift applied by resampling."""
+"""The audio of a camera on the programme clock: mono float32 in -1..1, offset and drift applied by resampling."""
 
 from __future__ import annotations
 
@@ -10,37 +10,75 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsl_core.edl import Camera
-from mcsl_core.media.audio import read_sound
+from mcsl_core.media.audio import read_audio
 
 from .decoder import Part, exact_camera_time
 
-Sound = NDArray[np.float32]
+Audio = NDArray[np.float32]
 _TAPS, _PHASES = 16, 512
 
 
-@cache
-def _filters() -> Sound:
-    """(phases + 1, taps) windowed-sinc filters; row p interpolates at p / phases of a sample after tap taps/2 - 1.
+def camera_audio(
+    camera: Camera,
+    parts: Sequence[Part],
+    start_s: float | Fraction,
+    stop_s: float | Fraction,
+    rate: int,
+    block_s: float,
+) -> Iterator[Audio]:
+    """Mono audio of one camera in consecutive blocks; see `Footage.audio_blocks`.
 
-    16 taps under a Kaiser window hold 12 kHz to 0.1 dB at 48 kHz; 512 phases put the rounding at -60 dB there.
+    Parameters
+    ----------
+    camera
+        Its clock is applied.
+    parts
+        Its files.
+    start_s, stop_s
+        Programme time.
+    rate
+        Samples per second.
+    block_s
+        Length of a block; the last may be shorter.
+
+    Yields
+    ------
+    Audio
+        (n,), in -1..1.
     """
-    at = np.arange(_TAPS) - (_TAPS // 2 - 1)
-    x = at[None, :] - np.arange(_PHASES + 1)[:, None] / _PHASES
-    edge = np.clip(1 - (x / (_TAPS / 2)) ** 2, 0, None)
-    taps = np.sinc(x) * np.i0(6.0 * np.sqrt(edge)) / np.i0(6.0)
-    return (taps / taps.sum(axis=1, keepdims=True)).astype(np.float32)
+    first = round(Fraction(start_s) * rate)
+    total = round(Fraction(stop_s) * rate) - first
+    pace = 1 + camera.clock.drift_ppm * 1e-6
+    begin = exact_camera_time(camera, Fraction(first, rate)) * rate
+    buffer = _AudioBuffer(parts, int(begin) - _TAPS, rate)
+    block = max(1, round(block_s * rate))
+    for done in range(0, total, block):
+        count = min(block, total - done)
+        origin = exact_camera_time(camera, Fraction(first + done, rate)) * rate
+        if pace == 1.0:  # whole samples: at most 10 microseconds off at 48 kHz, and not touched at all
+            at = round(origin)
+            yield buffer.take(at, at + count)
+            continue
+        whole = origin.numerator // origin.denominator
+        position = float(origin - whole) + np.arange(count) * pace
+        low = np.floor(position).astype(np.int64)
+        phase = np.round((position - low) * _PHASES).astype(np.int64)
+        reach = _TAPS // 2
+        source = buffer.take(whole - reach + 1, whole + int(low[-1]) + reach + 1)
+        windows = np.lib.stride_tricks.sliding_window_view(source, _TAPS)
+        yield np.einsum("ij,ij->i", windows[low], _filters()[phase], dtype=np.float32)
 
 
-class _Tape:
-    """A camera's sound in its own time, sample 0 at time 0; read forward in pieces, silence where there is none."""
+class _AudioBuffer:
+    """A camera's audio in its own time, sample 0 at time 0; read forward in blocks, silence where there is none."""
 
     def __init__(self, parts: Sequence[Part], start: int, rate: int) -> None:
         self._blocks = _blocks(parts, start, rate)
-        self._waiting: list[tuple[int, Sound]] = []
+        self._waiting: list[tuple[int, Audio]] = []
         self._more = True
 
-    def take(self, start: int, stop: int) -> Sound:
-        """Samples [start, stop); ``start`` must not fall by more than what was asked for last."""
+    def take(self, start: int, stop: int) -> Audio:
+        """Samples [start, stop); ``start`` must not fall below that of the call before."""
         while self._more and (not self._waiting or self._waiting[-1][0] + len(self._waiting[-1][1]) < stop):
             block = next(self._blocks, None)
             if block is None:
@@ -56,14 +94,14 @@ class _Tape:
         return out
 
 
-def _blocks(parts: Sequence[Part], start: int, rate: int) -> Iterator[tuple[int, Sound]]:
+def _blocks(parts: Sequence[Part], start: int, rate: int) -> Iterator[tuple[int, Audio]]:
     for index, part in enumerate(parts):
         if not part.facts.has_audio or part.end_s * rate < start:
             continue
         # A file's sound may run on past its last picture; the next file's takes over where that begins.
         end = int(parts[index + 1].begin_s * rate) if index + 1 < len(parts) else None
         from_s = max(Fraction(0), Fraction(start, rate) - part.begin_s)
-        for time_s, samples in read_sound(part.facts, from_s, rate):
+        for time_s, samples in read_audio(part.facts, from_s, rate):
             at = round((part.begin_s + time_s) * rate)
             if end is not None and at + len(samples) > end:
                 samples = samples[: max(0, end - at)]
@@ -71,33 +109,14 @@ def _blocks(parts: Sequence[Part], start: int, rate: int) -> Iterator[tuple[int,
                 yield at, samples
 
 
-def sound_blocks(
-    camera: Camera,
-    parts: Sequence[Part],
-    start_s: float | Fraction,
-    stop_s: float | Fraction,
-    rate: int,
-    block_s: float,
-) -> Iterator[Sound]:
-    """Consecutive blocks from programme time ``start_s`` to ``stop_s``; see `Footage.audio_blocks`."""
-    first = round(Fraction(start_s) * rate)
-    total = round(Fraction(stop_s) * rate) - first
-    pace = 1 + camera.clock.drift_ppm * 1e-6
-    begin = exact_camera_time(camera, Fraction(first, rate)) * rate
-    tape = _Tape(parts, int(begin) - _TAPS, rate)
-    block = max(1, round(block_s * rate))
-    for done in range(0, total, block):
-        count = min(block, total - done)
-        origin = exact_camera_time(camera, Fraction(first + done, rate)) * rate
-        if pace == 1.0:  # whole samples: at most 10 microseconds off at 48 kHz, and not touched at all
-            at = round(origin)
-            yield tape.take(at, at + count)
-            continue
-        whole = origin.numerator // origin.denominator
-        position = float(origin - whole) + np.arange(count) * pace
-        low = np.floor(position).astype(np.int64)
-        phase = np.round((position - low) * _PHASES).astype(np.int64)
-        reach = _TAPS // 2
-        source = tape.take(whole - reach + 1, whole + int(low[-1]) + reach + 1)
-        windows = np.lib.stride_tricks.sliding_window_view(source, _TAPS)
-        yield np.einsum("ij,ij->i", windows[low], _filters()[phase], dtype=np.float32)
+@cache
+def _filters() -> Audio:
+    """(phases + 1, taps): windowed-sinc filters; row p interpolates at p / phases of a sample after tap taps/2 - 1.
+
+    16 taps under a Kaiser window hold 12 kHz to 0.1 dB at 48 kHz; 512 phases put the rounding at -60 dB there.
+    """
+    at = np.arange(_TAPS) - (_TAPS // 2 - 1)
+    x = at[None, :] - np.arange(_PHASES + 1)[:, None] / _PHASES
+    edge = np.clip(1 - (x / (_TAPS / 2)) ** 2, 0, None)
+    taps = np.sinc(x) * np.i0(6.0 * np.sqrt(edge)) / np.i0(6.0)
+    return (taps / taps.sum(axis=1, keepdims=True)).astype(np.float32)

@@ -18,7 +18,22 @@ from .discovery import discover
 
 
 def open_cameras(recording: Sequence[Path], base: Path, progress: Progress) -> tuple[edl.Camera, ...]:
-    """The cameras of a recording, probed, clocks not yet set; media paths relative to ``base`` where possible."""
+    """The cameras of a recording, probed; their clocks are not yet set.
+
+    Parameters
+    ----------
+    recording
+        A folder, or the camera files in order; see `discover`.
+    base
+        The folder that media paths are made relative to, the EDL's.
+    progress
+        Told of each camera.
+
+    Raises
+    ------
+    InputError
+        With fewer than two cameras, or where a camera's files differ in size.
+    """
     found = discover(recording)
     if len(found) < 2:
         raise InputError(
@@ -28,7 +43,7 @@ def open_cameras(recording: Sequence[Path], base: Path, progress: Progress) -> t
         )
     progress.stage("Opening the cameras", len(found), "cameras")
     cameras = []
-    for number, (name, files) in enumerate(found):
+    for done, (name, files) in enumerate(found, 1):
         facts = [probe(path) for path in files]
         if len({f.size for f in facts}) > 1:
             raise InputError(
@@ -41,7 +56,7 @@ def open_cameras(recording: Sequence[Path], base: Path, progress: Progress) -> t
             for path, fact in zip(files, facts, strict=True)
         )
         cameras.append(edl.Camera(name, media, facts[0].size, facts[0].rate))
-        progress.advance(number + 1)
+        progress.advance(done)
     return tuple(cameras)
 
 
@@ -54,12 +69,19 @@ def relative_path(path: Path, base: Path) -> str:
 
 
 def programme_length(reference: edl.Camera, base: Path, rate: Fraction) -> int:
-    """Frames of the programme: the reference camera's length at the programme's rate, at least 1."""
+    """Frames of the programme: the reference camera's length at the programme's ``rate``, at least 1."""
     seconds = sum(Fraction(probe(base / m.path).duration_s) for m in reference.media)
     return max(1, floor(seconds * rate + Fraction(1, 2)))
 
 
 def choose_reference(cameras: Sequence[edl.Camera], name: str | None) -> edl.Camera:
+    """The camera called ``name``; the first without a name.
+
+    Raises
+    ------
+    UsageError
+        Where there is no such camera.
+    """
     for camera in cameras:
         if name in (None, camera.name):
             return camera

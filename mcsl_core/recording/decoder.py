@@ -1,6 +1,6 @@
-"""A camera's files as one strip of film, and a decoder that moves along it.
+"""A camera's files one after another, and a decoder that seeks in them by the camera's own time.
 
-Times are Fractions of a second: the camera's own time, in which its files follow each other, or a file's time.
+Times are Fractions of a second: the camera's own time, in which its files follow each other, or a file's own time.
 """
 
 from __future__ import annotations
@@ -18,17 +18,26 @@ from mcsl_core.media.reading import VideoReader
 
 @frozen
 class Part:
-    """One file of a camera: its time 0 stands at ``begin_s`` of the camera's own time."""
+    """One file of a camera.
+
+    Attributes
+    ----------
+    facts
+        The file, as `probe` describes it.
+    begin_s
+        The camera's own time at the file's own time 0.
+    """
 
     facts: MediaFacts
     begin_s: Fraction
 
     @property
     def end_s(self) -> Fraction:
+        """The camera's own time at the end of the file's last picture."""
         return self.begin_s + self.facts.end_s
 
-    def local(self, camera_s: Fraction) -> Fraction | None:
-        """The file's time of the picture to show at ``camera_s``; None where the file has no picture."""
+    def file_time(self, camera_s: Fraction) -> Fraction | None:
+        """The file's own time at ``camera_s`` of the camera's; None where the file has no picture then."""
         facts, time = self.facts, camera_s - self.begin_s
         if time + facts.tolerance_s >= facts.usable_s:
             return None
@@ -38,8 +47,18 @@ class Part:
 
 
 @frozen(eq=False)
-class Shown:
-    """A decoded picture: av's frame, and the camera's own time of its timestamp."""
+class DecodedFrame:
+    """A decoded frame.
+
+    Attributes
+    ----------
+    camera_s
+        The camera's own time of its timestamp.
+    frame
+        An `av.VideoFrame`.
+    facts
+        The file it comes from.
+    """
 
     camera_s: Fraction
     frame: Any
@@ -47,7 +66,15 @@ class Shown:
 
 
 class Decoder:
-    """Moves along a camera's files; cheap going forward, exact anywhere. For one thread."""
+    """Decodes a camera's files by the camera's own time: cheap going forward, exact anywhere. For one thread.
+
+    Parameters
+    ----------
+    parts
+        The camera's files in order.
+    threads, skip
+        As `VideoReader` takes them.
+    """
 
     def __init__(self, parts: Sequence[Part], *, threads: int = 0, skip: str = "") -> None:
         self._parts, self._threads, self._skip = parts, threads, skip
@@ -58,57 +85,58 @@ class Decoder:
         self._next: tuple[Fraction, Any] | None = None
 
     def close(self) -> None:
+        """Closes the file that is open."""
         if self._reader is not None:
             self._reader.close()
         self._reader, self._part = None, None
 
     def _enter(self, camera_s: Fraction) -> Fraction | None:
-        """Opens the file that plays at ``camera_s``; its own time there, or None without picture."""
-        found = part_at(self._parts, camera_s)
-        local = found.local(camera_s) if found is not None else None
-        if found is None or local is None:
+        """Opens the file of ``camera_s``; its own time then, or None without picture."""
+        part = part_at(self._parts, camera_s)
+        file_time = part.file_time(camera_s) if part is not None else None
+        if part is None or file_time is None:
             return None
-        if found is not self._part:
+        if part is not self._part:
             self.close()
-            self._part, self._reader = found, VideoReader(found.facts, threads=self._threads, skip=self._skip)
+            self._part, self._reader = part, VideoReader(part.facts, threads=self._threads, skip=self._skip)
             self._pictures, self._now, self._next = iter(()), None, None
-        return local
+        return file_time
 
-    def at(self, camera_s: Fraction) -> Shown | None:
-        """The picture shown at ``camera_s`` of the camera's own time, or None."""
-        local = self._enter(camera_s)
-        if local is None or self._part is None or self._reader is None:
+    def at(self, camera_s: Fraction) -> DecodedFrame | None:
+        """The frame shown at ``camera_s`` of the camera's own time; None without picture."""
+        file_time = self._enter(camera_s)
+        if file_time is None or self._part is None or self._reader is None:
             return None
         facts = self._part.facts
-        goal = local + facts.tolerance_s
+        goal = file_time + facts.tolerance_s
         # Going forward costs the pictures between, a seek on average half a keyframe interval and a cold decoder.
         stride = max(Fraction(facts.keyframe_interval_s), 4 / facts.rate)
         if self._now is None or goal < self._now[0] or goal - self._now[0] > stride:
-            self._pictures = self._reader.read(local)
+            self._pictures = self._reader.read(file_time)
             self._now, self._next = next(self._pictures, None), next(self._pictures, None)
         while self._next is not None and self._next[0] <= goal:
             self._now, self._next = self._next, next(self._pictures, None)
         return self._shown(self._now)
 
-    def keyframe(self, camera_s: Fraction, within_s: Fraction) -> Shown | None:
-        """As `at`, but the nearest keyframe, where there is one ``within_s`` seconds."""
-        local = self._enter(camera_s)
-        if local is None or self._part is None or self._reader is None:
+    def keyframe(self, camera_s: Fraction, within_s: Fraction) -> DecodedFrame | None:
+        """As `at`, but the nearest keyframe where there is one within ``within_s`` seconds."""
+        file_time = self._enter(camera_s)
+        if file_time is None or self._part is None or self._reader is None:
             return None
-        found = self._reader.keyframe(local)
-        self._now = None  # the decoder stands elsewhere now
-        if found is None or abs(found[0] - local) > within_s:
+        found = self._reader.keyframe(file_time)
+        self._now = None  # the reader has seeked elsewhere
+        if found is None or abs(found[0] - file_time) > within_s:
             return self.at(camera_s)
         return self._shown(found)
 
-    def _shown(self, picture: tuple[Fraction, Any] | None) -> Shown | None:
+    def _shown(self, picture: tuple[Fraction, Any] | None) -> DecodedFrame | None:
         if picture is None or self._part is None:
             return None
-        return Shown(self._part.begin_s + picture[0], picture[1], self._part.facts)
+        return DecodedFrame(self._part.begin_s + picture[0], picture[1], self._part.facts)
 
 
 def part_at(parts: Sequence[Part], camera_s: Fraction) -> Part | None:
-    """The file that plays at ``camera_s``: the last that has begun. None before the first."""
+    """The file of ``camera_s``, the camera's own time: the last that has begun. None before the first."""
     begun = [part for part in parts if part.begin_s <= camera_s + part.facts.tolerance_s]
     return begun[-1] if begun else None
 

@@ -1,4 +1,4 @@
-"""Which files are cameras: a recording is a folder, or the camera files in order."""
+"""Discovery of the cameras: a recording is a folder, or the camera files in order."""
 
 from __future__ import annotations
 
@@ -16,23 +16,25 @@ SUFFIXES = frozenset(
 _PART = re.compile(r"(.+)[_-]\d{3}", re.DOTALL)  # four digits and more are names: GOPR_0001, a date
 
 
-def _natural(text: str) -> list[tuple[int, int, str]]:
-    """A sort key that puts cam2 before cam10."""
-    return [(0, int(t), "") if t.isdigit() else (1, 0, t.casefold()) for t in re.split(r"(\d+)", text) if t]
-
-
-def _is_video(path: Path) -> bool:
-    return path.is_file() and path.suffix.lower() in SUFFIXES and not path.name.startswith(".")
-
-
 def discover(paths: Sequence[str | Path]) -> list[tuple[str, tuple[Path, ...]]]:
-    """(camera name, its files in playing order) of a recording.
+    """The cameras of a recording and their files.
 
-    A folder has one camera for each video file in it, in natural order, named by the file's stem; files such as
-    cam1_000.mp4, cam1_001.mp4 (one stem, then _ or - and three digits) are parts of one camera. A folder in it
-    that holds video files is one camera. Files handed in singly are cameras in that order.
+    Parameters
+    ----------
+    paths
+        Folders or video files. A folder has one camera for each video file in it, in natural order, named by the
+        file's stem; files such as cam1_000.mp4, cam1_001.mp4 (one stem, then _ or - and three digits) are parts of one
+        camera. A folder in it that holds video files is one camera. Files handed in singly are cameras in that order.
 
-    InputError where nothing is found, two cameras have one name, or a file is no video.
+    Returns
+    -------
+    list
+        (camera name, its files in order of time).
+
+    Raises
+    ------
+    InputError
+        Where nothing is found, two cameras have one name, or a file is no video.
     """
     if not paths:
         raise InputError("no recording was named", remedy="Name a folder, or the camera files in order")
@@ -101,3 +103,12 @@ def _grouped(files: Iterable[Path]) -> list[tuple[str, tuple[Path, ...]]]:
         label = name if len(members) > 1 else members[0].stem
         cameras.append((label, tuple(sorted(members, key=lambda p: _natural(p.stem)))))
     return cameras
+
+
+def _natural(text: str) -> list[tuple[int, int, str]]:
+    """A sort key that puts cam2 before cam10."""
+    return [(0, int(t), "") if t.isdigit() else (1, 0, t.casefold()) for t in re.split(r"(\d+)", text) if t]
+
+
+def _is_video(path: Path) -> bool:
+    return path.is_file() and path.suffix.lower() in SUFFIXES and not path.name.startswith(".")

@@ -1,9 +1,9 @@
-"""The cameras' pictures and sound on the programme clock.
+"""Footage: the cameras' pictures and audio on the programme clock.
 
 Programme frame n stands at n / rate seconds; a camera's own time is its clock's `camera_time` of that. A camera's
-files are played one after another: a file begins where the one before it ends (the end of its last picture). Inside
-a file presentation timestamps are the authority: the picture shown is the latest whose timestamp has come, so that
-a file of variable rate, a remuxed one and one with dropped frames all play in time. Before a file's first timestamp
+files follow each other: a file begins where the one before it ends (the end of its last picture). Inside a file
+presentation timestamps are the authority: the picture shown is the latest whose timestamp has come, so that a file of
+variable rate, a remuxed one and one with dropped frames are all in time. Before a file's first timestamp
 (a late start), beyond the end, where a file was cut short and in the camera's gaps there is no picture: None. A start
 that is late by two frames at most is muxers' rounding, and the first picture stands from the beginning.
 """
@@ -27,13 +27,8 @@ from mcsl_core.media.frames import to_planes
 from mcsl_core.media.probing import probe
 from mcsl_core.timing import FrameRange
 
-from .audio import sound_blocks
-from .decoder import Decoder, Part, Shown, exact_camera_time
-
-
-def footage_of(edl: Edl, base: Path, threads: int) -> Footage:
-    return Footage(edl.cameras, rate=edl.rate, frames=edl.frames, base=base, threads=threads)
-
+from .audio import camera_audio
+from .decoder import DecodedFrame, Decoder, Part, exact_camera_time
 
 _KEPT_MEDIANS, _KEPT_NEAR = 16, 40  # 3 MB each at 1080p
 
@@ -41,8 +36,8 @@ _KEPT_MEDIANS, _KEPT_NEAR = 16, 40  # 3 MB each at 1080p
 class Player:
     """One camera's full-size pictures by programme frame: cheap going forward, exact anywhere. For one thread."""
 
-    def __init__(self, footage: Footage, camera: str, head: Decoder) -> None:
-        self._footage, self._camera, self._head = footage, camera, head
+    def __init__(self, footage: Footage, camera: str, decoder: Decoder) -> None:
+        self._footage, self._camera, self._decoder = footage, camera, decoder
         self._frame: object = None
         self._planes: Planes | None = None
         self._last: tuple[int, Planes | None] = (-1, None)
@@ -50,13 +45,13 @@ class Player:
     def at(self, frame: int) -> Planes | None:
         """The picture at programme frame ``frame``; the same object as long as the same picture is shown."""
         if frame != self._last[0]:
-            self._last = (frame, self._found(frame))
+            self._last = (frame, self._read(frame))
         return self._last[1]
 
-    def _found(self, frame: int) -> Planes | None:
+    def _read(self, frame: int) -> Planes | None:
         if self._footage.has_gap(self._camera, frame):
             return None
-        shown = self._head.at(self._footage.camera_time(self._camera, frame))
+        shown = self._decoder.at(self._footage.camera_time(self._camera, frame))
         if shown is None:
             return None
         if shown.frame is not self._frame:
@@ -64,15 +59,32 @@ class Player:
         return self._planes
 
     def close(self) -> None:
-        self._head.close()
+        """Closes the camera's file."""
+        self._decoder.close()
         self._frame, self._planes, self._last = None, None, (-1, None)
 
 
 class Footage:
-    """Pictures and sound of all cameras by programme time. Each call opens its own decoders: safe from many threads.
+    """Pictures and audio of all cameras by programme time. Each call opens its own decoders: safe from many threads.
 
-    rate: programme frames per second. frames: the programme's length. base: the folder that relative media paths are
-    relative to (the EDL's). threads: decoder threads of each stream read at full size, 0 for one a core.
+    Parameters
+    ----------
+    cameras
+        Each with its files and its clock.
+    rate
+        Programme frames per second.
+    frames
+        The programme's length.
+    base
+        The folder that relative media paths are relative to, the EDL's.
+    threads
+        Decoder threads of each stream read at full size, 0 for one a core.
+
+    Examples
+    --------
+    >>> footage = footage_of(load("edl.json"), Path("."))  # doctest: +SKIP
+    >>> for frame, picture in footage.pictures("cam1", [0, 250, 500], height=360):  # doctest: +SKIP
+    ...     print(frame, picture.shape)
     """
 
     def __init__(self, cameras: Sequence[Camera], *, rate: Fraction, frames: int, base: Path, threads: int = 0) -> None:
@@ -85,11 +97,17 @@ class Footage:
         self._lock = Lock()
 
     def camera(self, name: str) -> Camera:
-        """The camera of that name; KeyError when there is none."""
+        """The camera of that name.
+
+        Raises
+        ------
+        KeyError
+            Where there is none.
+        """
         return self._by_name[name]
 
     def parts(self, camera: str) -> tuple[Part, ...]:
-        """The camera's files and where they stand in its own time. Probed at the first call, then kept."""
+        """The camera's files and where they begin in its own time. Probed at the first call, then kept."""
         if camera not in self._parts:
             parts, begin = [], Fraction(0)
             for media in self.camera(camera).media:
@@ -108,6 +126,7 @@ class Footage:
         return round(Fraction(self.camera(camera).clock.programme_time(camera_s)) * self.rate)
 
     def has_gap(self, camera: str, frame: int) -> bool:
+        """Whether programme frame ``frame`` lies in one of the camera's gaps, where it has no picture."""
         return any(frame in gap for gap in self.camera(camera).gaps)
 
     def player(self, camera: str) -> Player:
@@ -154,9 +173,20 @@ class Footage:
         return planes
 
     def planes(self, camera: str, piece: FrameRange) -> Iterator[Planes | None]:
-        """Full-size pictures, (W, H) of the camera, one for each programme frame of ``piece``; None without picture.
+        """Full-size pictures of consecutive programme frames.
 
-        Consecutive frames that show one picture are one object. Treat as read-only: they are the decoder's memory.
+        Parameters
+        ----------
+        camera
+            Its name.
+        piece
+            The programme frames.
+
+        Yields
+        ------
+        Planes or None
+            One for each programme frame, of the camera's size; None without picture. Consecutive frames that show one
+            picture are one object. Treat as read-only: they are the decoder's memory.
         """
         with closing(self.player(camera)) as player:
             for frame in piece:
@@ -165,29 +195,42 @@ class Footage:
     def pictures(
         self, camera: str, frames: Sequence[int], *, height: int | None = None
     ) -> Iterator[tuple[int, U8 | None]]:
-        """(programme frame, BGR picture or None) for each of ``frames``, which must rise.
+        """BGR pictures at given programme frames.
 
-        height: reduced to that many rows by area average, aspect kept; never enlarged. Near frames are reached by
-        decoding on, far ones by a seek.
+        Parameters
+        ----------
+        camera
+            Its name.
+        frames
+            Programme frames, rising. Near ones are reached by decoding on, far ones by a seek.
+        height
+            Rows to downscale to, by area average with the aspect kept; never enlarged. Full size without.
+
+        Yields
+        ------
+        frame, picture
+            The programme frame, and (H, W, 3) or None without picture.
+
+        Raises
+        ------
+        ValueError
+            Where ``frames`` do not rise.
         """
-        head = Decoder(self.parts(camera), threads=self._threads)
         last = None
-        try:
+        with closing(Decoder(self.parts(camera), threads=self._threads)) as decoder:
             for frame in frames:
                 if last is not None and frame <= last:
                     raise ValueError(f"frames must rise, got {last} then {frame}")
                 last = frame
-                found = None if self.has_gap(camera, frame) else head.at(self.camera_time(camera, frame))
-                yield frame, None if found is None else self.picture(camera, found, height)
-        finally:
-            head.close()
+                shown = None if self.has_gap(camera, frame) else decoder.at(self.camera_time(camera, frame))
+                yield frame, None if shown is None else self.picture(camera, shown, height)
 
-    def full_picture(self, camera: str, shown: Shown) -> Planes:
-        """The (W, H) planes of a decoded frame of ``camera``, as large as the EDL says."""
+    def full_picture(self, camera: str, shown: DecodedFrame) -> Planes:
+        """The picture of a decoded frame of ``camera``, of the size that the EDL says."""
         return resize_planes(to_planes(shown.frame, shown.facts), self.camera(camera).size)
 
-    def picture(self, camera: str, shown: Shown, height: int | None) -> U8:
-        """The BGR picture of a decoded frame of ``camera``, reduced to ``height`` rows."""
+    def picture(self, camera: str, shown: DecodedFrame, height: int | None) -> U8:
+        """The BGR picture of a decoded frame of ``camera``, downscaled to ``height`` rows."""
         return planes_to_bgr(self.full_picture(camera, shown), height=height)
 
     def audio_blocks(
@@ -199,11 +242,25 @@ class Footage:
         *,
         block_s: float = 10.0,
     ) -> Iterator[NDArray[np.float32]]:
-        """Mono sound at ``rate`` from programme time ``start_s`` to ``stop_s``, in consecutive blocks; flat memory.
+        """Mono audio in consecutive blocks; memory stays flat.
 
-        Offset and drift of the camera's clock are applied by resampling; where the camera has no sound it is 0.
+        Parameters
+        ----------
+        camera
+            Its name; offset and drift of its clock are applied by resampling.
+        start_s, stop_s
+            Programme time.
+        rate
+            Samples per second.
+        block_s
+            Length of a block; the last may be shorter.
+
+        Yields
+        ------
+        NDArray
+            (n,) float32 in -1..1; 0 where the camera has no audio.
         """
-        return sound_blocks(self.camera(camera), self.parts(camera), start_s, stop_s, rate, block_s)
+        return camera_audio(self.camera(camera), self.parts(camera), start_s, stop_s, rate, block_s)
 
     def audio(
         self, camera: str, start_s: float | Fraction, stop_s: float | Fraction, rate: int = 48000
@@ -211,3 +268,8 @@ class Footage:
         """As `audio_blocks`, in one (n,) float32 array."""
         blocks = list(self.audio_blocks(camera, start_s, stop_s, rate))
         return np.concatenate(blocks) if blocks else np.zeros(0, np.float32)
+
+
+def footage_of(edl: Edl, base: Path, threads: int = 0) -> Footage:
+    """The footage of an EDL; ``base`` is the EDL's folder, ``threads`` as `Footage` takes it."""
+    return Footage(edl.cameras, rate=edl.rate, frames=edl.frames, base=base, threads=threads)

@@ -1,10 +1,11 @@
-"""Looking at all cameras now and then, at little more than the cost of decoding their keyframes."""
+"""Sampling all cameras at regular steps, at little more than the cost of decoding their keyframes."""
 
 from __future__ import annotations
 
 import queue
 import threading
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
 from fractions import Fraction
 from typing import Any
 
@@ -21,20 +22,29 @@ _AHEAD = 3  # samples each camera may be ahead of the consumer: 3 x 1.6 MB at 54
 
 @frozen(eq=False)
 class KeyframeSample:
-    """What the cameras show at about programme frame ``frame``: BGR pictures, None without picture.
+    """What the cameras show at about one programme frame.
 
-    ``at`` has the programme frame each picture really belongs to: the nearest keyframe is seldom the very frame.
+    Attributes
+    ----------
+    frame
+        The programme frame.
+    pictures
+        Camera -> (H, W, 3) BGR, None without picture.
+    shown_frames
+        Camera -> the programme frame its picture really belongs to: the nearest keyframe is seldom the very frame.
     """
 
     frame: int
     pictures: Mapping[str, U8 | None]
-    at: Mapping[str, int]
+    shown_frames: Mapping[str, int]
 
 
 @frozen(eq=False)
-class _Look:
+class _SampledPicture:
+    """One camera's share of a `KeyframeSample`."""
+
     picture: U8 | None
-    at: int
+    shown_frame: int
 
 
 def sample_cameras(
@@ -45,18 +55,26 @@ def sample_cameras(
     height: int = 540,
     piece: FrameRange | None = None,
 ) -> Iterator[KeyframeSample]:
-    """About one picture of every camera each ``step_s`` seconds, BGR of ``height`` rows, at the least cost, in order.
-
-    Where a camera's keyframes are at most 1.5 steps apart only they are decoded, and the nearest in time stands for the
-    sample; else all pictures that others need. Each camera is decoded by its own thread a few samples ahead, so memory
-    is flat; a fault in one of them is raised here. When the consumer stops, so do the threads.
+    """About one picture of every camera each step, at the least cost, in order.
 
     Parameters
     ----------
+    footage
+        The cameras on the programme clock.
     cameras
         Their names; all without.
+    step_s
+        Seconds from one sample to the next.
+    height
+        Rows of the pictures.
     piece
         The programme frames to sample; all without.
+
+    Notes
+    -----
+    Where a camera's keyframes are at most 1.5 steps apart only they are decoded, and the nearest in time stands for the
+    sample; else all pictures that others need. Each camera is decoded by its own thread a few samples ahead, so memory
+    is flat; a fault in one of them is raised here. When the consumer stops, so do the threads.
     """
     cameras = tuple(c.name for c in footage.cameras) if cameras is None else cameras
     piece = piece or FrameRange(0, footage.frames)
@@ -68,7 +86,7 @@ def sample_cameras(
     queues: dict[str, queue.Queue] = {camera: queue.Queue(_AHEAD) for camera in cameras}
     threads = [
         threading.Thread(
-            target=_watch,
+            target=_decode_into,
             args=(footage, camera, frames, step, height, queues[camera], stop),
             name=f"samples of {camera}",
             daemon=True,
@@ -79,20 +97,21 @@ def sample_cameras(
         thread.start()
     try:
         for frame in frames:
-            looks: dict[str, _Look] = {}
+            sampled: dict[str, _SampledPicture] = {}
             for camera in cameras:
                 item = queues[camera].get()
                 if isinstance(item, BaseException):
                     raise item
-                looks[camera] = item
-            yield KeyframeSample(frame, {c: k.picture for c, k in looks.items()}, {c: k.at for c, k in looks.items()})
+                sampled[camera] = item
+            pictures = {camera: one.picture for camera, one in sampled.items()}
+            yield KeyframeSample(frame, pictures, {camera: one.shown_frame for camera, one in sampled.items()})
     finally:
         stop.set()
         for thread in threads:
             thread.join()
 
 
-def _watch(
+def _decode_into(
     footage: Footage,
     camera: str,
     frames: range,
@@ -101,10 +120,10 @@ def _watch(
     out: queue.Queue,
     stop: threading.Event,
 ) -> None:
-    """One camera's thread: a `_Look` for each of ``frames``, or the exception that ended it."""
+    """One camera's thread: puts a `_SampledPicture` for each of ``frames``, or the exception that ended it."""
     try:
-        for look in _looks(footage, camera, frames, step, height):
-            if not _put(out, look, stop):
+        for sampled in _sampled_pictures(footage, camera, frames, step, height):
+            if not _put(out, sampled, stop):
                 return
     except BaseException as fault:  # raised again in the consumer
         _put(out, fault, stop)
@@ -120,28 +139,27 @@ def _put(out: queue.Queue, item: Any, stop: threading.Event) -> bool:
     return False
 
 
-def _looks(footage: Footage, camera: str, frames: range, step: int, height: int) -> Iterator[_Look]:
+def _sampled_pictures(
+    footage: Footage, camera: str, frames: range, step: int, height: int
+) -> Iterator[_SampledPicture]:
     parts = footage.parts(camera)
     reach = Fraction(step) / footage.rate * Fraction(3, 2)
     by_keyframes = all(part.facts.keyframe_interval_s <= reach for part in parts)
     # Nothing here needs the pictures that no other picture needs; they are half of the decoding where B-frames are.
-    head = Decoder(parts, threads=1, skip="" if by_keyframes else "NONREF")
     shown: Fraction | None = None
     picture: U8 | None = None
-    try:
+    with closing(Decoder(parts, threads=1, skip="" if by_keyframes else "NONREF")) as decoder:
         for frame in frames:
             time = footage.camera_time(camera, frame)
             if footage.has_gap(camera, frame):
                 found = None
             elif by_keyframes:
-                found = head.keyframe(time, reach)
+                found = decoder.keyframe(time, reach)
             else:
-                found = head.at(time)
+                found = decoder.at(time)
             if found is None:
-                yield _Look(None, frame)
+                yield _SampledPicture(None, frame)
                 continue
             if shown != found.camera_s:
                 shown, picture = found.camera_s, footage.picture(camera, found, height)
-            yield _Look(picture, footage.programme_frame(camera, found.camera_s))
-    finally:
-        head.close()
+            yield _SampledPicture(picture, footage.programme_frame(camera, found.camera_s))

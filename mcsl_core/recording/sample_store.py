@@ -1,6 +1,6 @@
-"""The recording looked at about once a second, decoded once and kept on disk small enough to be looked at again.
+"""Samples of the recording about once a second, decoded once and kept on disk small enough to be read again and again.
 
-Every stage of the analysis iterates the same samples; pictures are BGR, reduced to `SAMPLE_HEIGHT` rows.
+Every stage of the analysis iterates the same samples; pictures are BGR, downscaled to `SAMPLE_HEIGHT` rows.
 """
 
 from __future__ import annotations
@@ -28,13 +28,17 @@ SAMPLE_HEIGHT = 360
 JPEG_QUALITY = 92  # 45 dB: below what movement and hue are judged by; 40-80 kB a picture
 
 
-def _contents_of(store: Path) -> Path:
-    return store.with_name(store.name + ".json")
-
-
 @frozen(eq=False)
 class Sample:
-    """All cameras at one programme frame; None where a camera has no picture."""
+    """All cameras at one programme frame.
+
+    Attributes
+    ----------
+    frame
+        The programme frame.
+    pictures
+        Camera -> (`SAMPLE_HEIGHT`, W, 3) BGR; None where a camera has no picture.
+    """
 
     frame: int
     pictures: Mapping[str, NDArray[np.uint8] | None]
@@ -42,7 +46,21 @@ class Sample:
 
 @define(eq=False)
 class SampleStore:
-    """The moments of a recording in order; iterate it as often as needed. Memory stays flat: pictures lie in a file."""
+    """The samples of a recording in order; iterate it as often as needed. Memory stays flat: pictures lie in a file.
+
+    Attributes
+    ----------
+    frames
+        The programme frame of each sample, rising.
+    cameras
+        Their names.
+
+    Examples
+    --------
+    >>> samples = SampleStore.record(footage, Path("samples"), Silent())  # doctest: +SKIP
+    >>> for sample in samples:  # doctest: +SKIP
+    ...     print(sample.frame, sample.pictures["cam1"].shape)
+    """
 
     frames: list[int]
     cameras: tuple[str, ...]
@@ -51,25 +69,35 @@ class SampleStore:
 
     @classmethod
     def record(cls, footage: Footage, store: Path, progress: Progress, *, step_s: float = 1.0) -> SampleStore:
-        """Decodes ``footage`` once, about a picture every ``step_s`` seconds, into the file ``store``.
+        """Decodes ``footage`` once into the file ``store``.
 
-        Beside it lies ``store``.json, which says where in it each picture is; with it `load` opens the store again.
+        Parameters
+        ----------
+        footage
+            The cameras on the programme clock.
+        store
+            The file of the pictures. Beside it lies ``store``.json, which says where in it each picture is; with it
+            `load` opens the store again.
+        progress
+            Told of the frames that have been passed.
+        step_s
+            Seconds from one sample to the next.
         """
         cameras = tuple(c.name for c in footage.cameras)
         _contents_of(store).unlink(missing_ok=True)
         stream = store.open("w+b")
         frames: list[int] = []
         index: list[dict[str, tuple[int, int]]] = []
-        progress.stage("Looking through the recording", footage.frames, "frames")
+        progress.stage("Sampling the recording", footage.frames, "frames")
         for sample in sample_cameras(footage, step_s=step_s, height=SAMPLE_HEIGHT):
-            places = {}
+            spans = {}
             for name, picture in sample.pictures.items():
                 if picture is not None:
                     data = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1].tobytes()
-                    places[name] = (stream.tell(), len(data))
+                    spans[name] = (stream.tell(), len(data))
                     stream.write(data)
             frames.append(sample.frame)
-            index.append(places)
+            index.append(spans)
             progress.advance(min(sample.frame, footage.frames))
         progress.advance(footage.frames)
         stream.flush()
@@ -79,19 +107,19 @@ class SampleStore:
 
     @classmethod
     def load(cls, store: Path) -> SampleStore | None:
-        """What `record` wrote to ``store``; None where it was not finished or is not whole."""
+        """What `record` wrote to ``store``; None where that was not finished or is not complete."""
         try:
             contents = json.loads(_contents_of(store).read_text("utf-8"))
             index = [{name: (start, length) for name, (start, length) in row.items()} for row in contents["pictures"]]
             frames, cameras = contents["frames"], tuple(contents["cameras"])
-            if store.stat().st_size != max((sum(place) for row in index for place in row.values()), default=0):
+            if store.stat().st_size != max((sum(span) for row in index for span in row.values()), default=0):
                 return None
             return cls(frames, cameras, index, store.open("rb"))
         except (OSError, ValueError, KeyError, TypeError):
             return None
 
     def close(self) -> None:
-        """Lets go of the file; the samples cannot be looked at afterwards."""
+        """Closes the file; the samples cannot be read afterwards."""
         self._file.close()
 
     def __len__(self) -> int:
@@ -102,8 +130,8 @@ class SampleStore:
 
     def picture(self, position: int, camera: str) -> NDArray[np.uint8] | None:
         """One camera's picture at one position; None where it has none."""
-        places = self._index[position]
-        return self._read(*places[camera]) if camera in places else None
+        spans = self._index[position]
+        return self._read(*spans[camera]) if camera in spans else None
 
     def __iter__(self) -> Iterator[Sample]:
         return (self[i] for i in range(len(self)))
@@ -113,7 +141,7 @@ class SampleStore:
         return [i for i, frame in enumerate(self.frames) if frame in piece]
 
     def standing(self, piece: FrameRange, movements: Sequence[Movement]) -> list[int]:
-        """Those `within` ``piece`` during which the lamp stands still."""
+        """Positions of those `within` ``piece`` at which the lamp stands still, outside all ``movements``."""
         return [i for i in self.within(piece) if not any(self.frames[i] in m.range for m in movements)]
 
     def _read(self, start: int, length: int) -> NDArray[np.uint8]:
@@ -121,3 +149,7 @@ class SampleStore:
         picture = cv2.imdecode(data, cv2.IMREAD_COLOR)
         assert picture is not None, "the sample store was changed by another process"
         return picture  # pyright: ignore[reportReturnType]
+
+
+def _contents_of(store: Path) -> Path:
+    return store.with_name(store.name + ".json")

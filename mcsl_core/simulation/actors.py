@@ -1,7 +1,7 @@
 """People over the table as sprites: gloved hands with instruments, sleeves, heads in caps, shoulders in gowns.
 
 Each sprite lies on its own plane: a hand's origin is the tip of its instrument and its wrist lies at -x; a sleeve
-begins at the wrist and leads to -x; a head looks along +x from its origin. Lengths in mm, made by solids.py.
+begins at the wrist and leads to -x; a head faces +x from its origin. Lengths in mm, made by solids.py.
 """
 
 from __future__ import annotations
@@ -29,22 +29,22 @@ GRIPS = 5
 """How many steps there are between a closed and an open grip."""
 TIP_DROP_MM = 20.0
 """How far below the hand's middle an instrument's tip lies."""
+CUFF = Material((0.72, 0.74, 0.74), ribs_mm=3.0, mottle=0.02)
 REACH_MM = 200.0
 """From the wrist to the instrument's tip."""
 
 
 def glove_material(scenario: Scenario) -> Material:
+    """The gloves' rubber."""
     return Material(
         GLOVES[scenario.gloves], gloss=0.3, hardness=26, rough_mm=0.28, rough_length_mm=15, mottle=0.02, soft_mm=1.7
     )
 
 
 def gown_material(scenario: Scenario) -> Material:
+    """The gowns' cloth."""
     colour = GOWNS[scenario.drape]
     return Material(colour, rough_mm=4.2, rough_length_mm=34, mottle=0.05, weave=0.06)
-
-
-CUFF = Material((0.72, 0.74, 0.74), ribs_mm=3.0, mottle=0.02)
 
 
 def hand(scenario: Scenario, worker: int, kind: int, grip: float, left: bool, pitch: float) -> Sprite:
@@ -65,7 +65,7 @@ def hand(scenario: Scenario, worker: int, kind: int, grip: float, left: bool, pi
     if kind == 0:
         tools.forceps(clay, turn, tip, wide, 0.42)
     elif kind == 1:
-        tools.ringed(clay, turn, tip, jaw=20, length=172, open_deg=1.5 + 4 * grip, slope=0.12)
+        tools.ringed(clay, turn, tip, tools.Ringed(20, 172, 1.5 + 4 * grip, slope=0.12))
     else:
         tools.sucker(clay, turn, tip, PLASTIC)
 
@@ -154,7 +154,7 @@ def head(scenario: Scenario, person: int, pitch: float) -> Sprite:
 
 
 def shoulders(scenario: Scenario, person: int, pitch: float) -> Sprite:
-    """A gown from above, looking along +x; the neck is at the origin, the back leads away from the table."""
+    """A gown from above, facing +x; the neck is at the origin, the back leads away from the table."""
     rng = scenario.stream("shoulders", person)
     blue, green, red = GOWNS[scenario.drape]
     clay = Clay(-330, -270, 120, 270, pitch)

@@ -1,4 +1,4 @@
-"""What one camera sees of all that lies still: the ground's map, looked up through the relief, pose by pose."""
+"""The backdrop: one camera's picture of all that lies still, the ground's map resampled over the relief."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from .ground import Ground
 from .layers import Picture, layer_of
-from .rig import View
-from .staging import Play
+from .rig import PinholeCamera
+from .scene import Scene
 from .surface import HALF_MM
 
 COARSE, COARSE_MOVING = 4, 8
@@ -22,13 +22,28 @@ SHUTTER_S = 1 / 60
 
 
 @attrs.frozen(eq=False)
-class _Still:
-    """The picture of a pose, and where in it the field's cut-out shows."""
+class _PosePicture:
+    """The picture of a pose, and where in it the field's cut-out shows.
+
+    Attributes
+    ----------
+    pose, step
+        Index of the pose, and step of the field's progression.
+    whole
+        The picture as a layer.
+    picture
+        The same in planes.
+    window
+        Rows and columns that show the cut-out; None where nothing of it shows.
+    mask
+        (h, w), where in the window.
+    map_x, map_y
+        (h, w), the positions in the cut-out that the window shows.
+    """
 
     pose: int
     step: int
     whole: NDArray
-    """As a layer."""
     picture: Picture
     window: tuple[slice, slice] | None
     mask: NDArray
@@ -37,43 +52,55 @@ class _Still:
 
 
 class Backdrop:
-    """Pictures of the ground for one camera, in its own colours; quick when time rises."""
+    """Pictures of the ground for one camera, in its own colours; quick when time rises.
 
-    def __init__(self, play: Play, ground: Ground, camera: int, gains: NDArray) -> None:
-        self._play, self._ground, self._camera, self._gains = play, ground, camera, gains
+    Parameters
+    ----------
+    scene, ground
+        What is filmed.
+    camera
+        Its index.
+    gains
+        (3,), the sensor's gains of B, G, R.
+    """
+
+    def __init__(self, scene: Scene, ground: Ground, camera: int, gains: NDArray) -> None:
+        self._scene, self._ground, self._camera, self._gains = scene, ground, camera, gains
         self._base = layer_of(ground.base, gains)
         self._states: dict[int, NDArray] = {}
-        self._still: _Still | None = None
+        self._still: _PosePicture | None = None
         self._moving: tuple[int, NDArray] | None = None
 
-    def at(self, t: float) -> tuple[Picture, View]:
-        """The picture at programme time ``t``, not to be drawn upon, and where the camera is."""
-        pose, still = self._play.path.pose(t)
-        view = self._play.rig.view(self._camera, pose)
-        step = round(self._play.progression.at(t) * STEPS)
+    def at(self, t: float) -> tuple[Picture, PinholeCamera]:
+        """The picture at programme time ``t``, not to be drawn upon, and the camera then."""
+        pose, still = self._scene.path.pose(t)
+        pinhole = self._scene.rig.pinhole(self._camera, pose)
+        step = round(self._scene.progression.at(t) * STEPS)
         if still is None:
             if self._moving is None or self._moving[0] != step:
                 self._moving = (step, self._texture(step))
-            return Picture.of(self._blurred(self._moving[1], t)), view
+            return Picture.of(self._blurred(self._moving[1], t)), pinhole
         self._moving = None
         if self._still is None or self._still.pose != still:
-            self._still = self._fresh(still, step, view)
+            self._still = self._fresh(still, step, pinhole)
         elif self._still.step != step:
             self._still = self._refreshed(self._still, step)
-        return self._still.picture, view
+        return self._still.picture, pinhole
 
-    def seen(self, t: float, view: View) -> Picture:
-        """The picture at programme time ``t`` of a camera that stands still at ``view``."""
-        step = round(self._play.progression.at(t) * STEPS)
-        return Picture.of(_look(self._texture(step), *self._maps(view)))
+    def picture_from(self, t: float, pinhole: PinholeCamera) -> Picture:
+        """The picture at programme time ``t`` of a camera that stands still at ``pinhole``."""
+        step = round(self._scene.progression.at(t) * STEPS)
+        return Picture.of(_remapped(self._texture(step), *self._maps(pinhole)))
 
     def _blurred(self, texture: NDArray, t: float) -> NDArray:
-        """What a moving camera sees while its shutter is open: two looks, laid over each other."""
-        looks = []
-        for moment in (t - SHUTTER_S / 4, t + SHUTTER_S / 4):
-            pose, _ = self._play.path.pose(moment)
-            looks.append(_look(texture, *self._maps(self._play.rig.view(self._camera, pose), COARSE_MOVING)))
-        return cv2.addWeighted(looks[0], 0.5, looks[1], 0.5, 0)
+        """The picture of a moving camera while its shutter is open: the mean of two exposures."""
+        exposures = []
+        for instant in (t - SHUTTER_S / 4, t + SHUTTER_S / 4):
+            pose, _ = self._scene.path.pose(instant)
+            exposures.append(
+                _remapped(texture, *self._maps(self._scene.rig.pinhole(self._camera, pose), COARSE_MOVING))
+            )
+        return cv2.addWeighted(exposures[0], 0.5, exposures[1], 0.5, 0)
 
     def _state(self, stage: int) -> NDArray:
         if stage not in self._states:
@@ -91,21 +118,21 @@ class Backdrop:
         texture[self._ground.cut] = self._field_at(step)
         return texture
 
-    def _maps(self, view: View, coarse: int = COARSE) -> tuple[NDArray, NDArray]:
-        """Where in the ground's map each pixel looks."""
-        width, height = self._play.scenario.size
+    def _maps(self, pinhole: PinholeCamera, coarse: int = COARSE) -> tuple[NDArray, NDArray]:
+        """Where in the ground's map each pixel lies, as `cv2.remap` takes it."""
+        width, height = self._scene.scenario.size
         columns, rows = -(-width // coarse), -(-height // coarse)
         # cv2.resize puts coarse sample i at pixel coarse * i + (coarse - 1) / 2.
         x = np.arange(columns) * coarse + (coarse - 1) / 2
         y = np.arange(rows) * coarse + (coarse - 1) / 2
-        gx, gy = self._play.surface.meet(view, np.stack(np.meshgrid(x, y), -1))
+        gx, gy = self._scene.surface.intersect(pinhole, np.stack(np.meshgrid(x, y), -1))
         scale, shift = 1 / self._ground.pitch_mm, HALF_MM / self._ground.pitch_mm
         full = (columns * coarse, rows * coarse)
         mx, my = (cv2.resize(g * scale + shift, full, interpolation=cv2.INTER_LINEAR) for g in (gx, gy))
         return mx[:height, :width], my[:height, :width]
 
-    def _fresh(self, pose: int, step: int, view: View) -> _Still:
-        map_x, map_y = self._maps(view)
+    def _fresh(self, pose: int, step: int, pinhole: PinholeCamera) -> _PosePicture:
+        map_x, map_y = self._maps(pinhole)
         cut = self._ground.cut
         low, high = cut[0].start + 1, cut[0].stop - 2
         mask = (map_x > low) & (map_x < high) & (map_y > low) & (map_y < high)
@@ -116,17 +143,17 @@ class Backdrop:
             mask, map_x_cut, map_y_cut = mask[window], map_x[window] - cut[1].start, map_y[window] - cut[0].start
         else:
             map_x_cut, map_y_cut = map_x, map_y
-        whole = _look(self._texture(step), map_x, map_y)
-        return _Still(pose, step, whole, Picture.of(whole), window, mask.astype(np.uint8), map_x_cut, map_y_cut)
+        whole = _remapped(self._texture(step), map_x, map_y)
+        return _PosePicture(pose, step, whole, Picture.of(whole), window, mask.astype(np.uint8), map_x_cut, map_y_cut)
 
-    def _refreshed(self, still: _Still, step: int) -> _Still:
+    def _refreshed(self, still: _PosePicture, step: int) -> _PosePicture:
         """The same picture with the field as it has become."""
         if still.window is None:
             return attrs.evolve(still, step=step)
         whole = still.whole.copy()
-        cv2.copyTo(_look(self._field_at(step), still.map_x, still.map_y), still.mask, whole[still.window])
+        cv2.copyTo(_remapped(self._field_at(step), still.map_x, still.map_y), still.mask, whole[still.window])
         return attrs.evolve(still, step=step, whole=whole, picture=Picture.of(whole))
 
 
-def _look(texture: NDArray, map_x: NDArray, map_y: NDArray) -> NDArray:
+def _remapped(texture: NDArray, map_x: NDArray, map_y: NDArray) -> NDArray:
     return cv2.remap(texture, map_x, map_y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)

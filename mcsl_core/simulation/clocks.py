@@ -11,19 +11,22 @@ from .scenario import Scenario
 
 @attrs.frozen
 class Clock:
-    """Frame k of a file stands at own time k / rate; the reference has offset 0 and drift 0."""
+    """The true clock of a camera: frame k of its file stands at own time k / rate. The reference has 0 and 0."""
 
     offset_s: float = 0.0
     drift_ppm: float = 0.0
 
     def own(self, t: float) -> float:
+        """The camera's own time at programme time ``t``."""
         return (t - self.offset_s) * (1 + self.drift_ppm * 1e-6)
 
     def programme(self, own_s: float) -> float:
+        """Programme time at the camera's own time."""
         return own_s / (1 + self.drift_ppm * 1e-6) + self.offset_s
 
 
 def clocks(scenario: Scenario) -> tuple[Clock, ...]:
+    """Every camera's clock."""
     rng = scenario.stream("clocks")
     rows = rng.uniform(-1, 1, (scenario.cameras, 2)) * (scenario.clock_offset_s, scenario.drift_ppm)
     return (Clock(), *(Clock(float(offset), float(drift)) for offset, drift in rows[1:]))

@@ -1,4 +1,4 @@
-"""The table as seen by the lamp: one lit colour map of everything that lies still, and the field's states over time.
+"""The ground: one lit colour map of everything on the table that lies still, and the field's states over time.
 
 Maps are BGR uint8 over the square of surface.py, but finer; the field's states are cut-outs in its middle.
 """
@@ -15,7 +15,7 @@ from .paint import lambert, mix, normals, shine, to_uint8
 from .props import gauze_in_field, litter
 from .rig import CAMERA_CIRCLE_MM, LAMP_HEIGHT_MM, Rig
 from .scenario import Scenario
-from .surface import HALF_MM, Surface, plan, sample
+from .surface import HALF_MM, Grid, Surface, sample
 from .tissue import Tissue, paint_tissue
 
 FIELD_HALF_MM = 135.0
@@ -24,42 +24,61 @@ FIELD_HALF_MM = 135.0
 
 @attrs.frozen(eq=False)
 class Ground:
-    """What lies still: ``base`` is the whole map, the field in it as it was painted, without blood."""
+    """What lies still.
+
+    Attributes
+    ----------
+    scenario, surface
+        What it is made of.
+    pitch_mm
+        From one sample of the map to the next.
+    base
+        (H, W, 3) uint8: the whole map, the field in it as it was painted, without blood.
+    cut
+        Rows and columns of the field's states in the map.
+    cloth
+        (h, w, 3) float: lit drapes in the cut-out.
+    layer
+        (h, w, 4) float: what lies on top in the cut-out, BGR and, fourth, how much of the field shines through.
+    tissue
+        The field before light falls on it.
+    light, normal
+        (h, w) brightness and (h, w, 3) unit normals in the cut-out.
+    glints
+        Per camera (h, w): how strongly a wet point would mirror the lamp into it.
+    """
 
     scenario: Scenario
     surface: Surface
     pitch_mm: float
     base: NDArray
     cut: tuple[slice, slice]
-    """Where the field's states lie in the map."""
     cloth: NDArray
-    """Lit drapes in the cut-out (float BGR)."""
     layer: NDArray
-    """What lies on top in the cut-out: BGR and, fourth, how much of the field shines through."""
     tissue: Tissue
     light: NDArray
     normal: NDArray
     glints: tuple[NDArray, ...]
-    """Per camera: how strongly a wet place would mirror the lamp into it."""
 
     @classmethod
     def of(cls, scenario: Scenario, surface: Surface, rig: Rig) -> Ground:
+        """The ground of a scenario."""
         # As fine as the pictures, within reason: half a millimetre where a picture is 960 wide.
         pitch = float(np.clip(480.0 / scenario.size[0], 0.3, 1.0))
         pitch = HALF_MM / round(HALF_MM / pitch)
-        x, y = plan(pitch)
-        coarse = sample(surface.height_mm, x, y)
-        colour, bump = paint_drapes(scenario, surface.site, x, y, pitch)
+        grid = Grid.of_table(pitch)
+        coarse = sample(surface.height_mm, grid.x, grid.y)
+        colour, bump = paint_drapes(scenario, surface.site, grid)
         reach = round(FIELD_HALF_MM / pitch)
         middle = round(HALF_MM / pitch)
         span = slice(middle - reach, middle + reach + 1)
         cut = (span, span)
-        tissue = paint_tissue(scenario, surface.site, x[cut], y[cut], pitch)
+        tissue = paint_tissue(scenario, surface.site, grid.part(cut))
         bump[cut] = bump[cut] * (1 - tissue.opening) + tissue.bump_mm * tissue.opening
         normal = normals(coarse + bump, pitch)
-        light = lighting(coarse, normal, x, y, pitch)
+        light = lighting(coarse, normal, grid)
         colour *= light[..., None]
-        layer = np.zeros((*x.shape, 4), np.float32)
+        layer = np.zeros((*grid.x.shape, 4), np.float32)
         layer[..., 3] = 1
         litter(scenario, surface.site, layer, pitch)
         base = to_uint8(colour * layer[..., 3:] + layer[..., :3])
@@ -81,25 +100,26 @@ class Ground:
         return to_uint8(lit * self.layer[..., 3:] + self.layer[..., :3])
 
 
-def lighting(height: NDArray, normal: NDArray, x: NDArray, y: NDArray, pitch: float) -> NDArray:
-    """How bright a white thing would look: a wide lamp from above, brightest in the middle, hollows darker."""
+def lighting(height: NDArray, normal: NDArray, grid: Grid) -> NDArray:
+    """(h, w) brightness of a white thing: a wide lamp from above, brightest in the middle, hollows darker."""
     diffuse = 0.62 * lambert(normal, (0.0, 0.0, 1.0)) + 0.33 * lambert(normal, (0.55, 0.4, 0.75))
     diffuse += 0.12 * lambert(normal, (-0.8, 0.1, 0.5))
-    small = cv2.resize(height, None, fx=pitch / 1.5, fy=pitch / 1.5, interpolation=cv2.INTER_AREA)
+    shrink = grid.pitch_mm / 1.5
+    small = cv2.resize(height, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA)
     near, far = cv2.GaussianBlur(small, (0, 0), 5 / 1.5), cv2.GaussianBlur(small, (0, 0), 16 / 1.5)
     hollow = np.clip((small - near) / 8, -0.3, 0.15) + np.clip((small - far) / 40, -0.28, 0.15)
     hollow = cv2.resize(hollow, (height.shape[1], height.shape[0]), interpolation=cv2.INTER_LINEAR)
-    spot = 0.46 + 0.66 * np.exp(-(x * x + y * y) / (2 * 190.0**2))
+    spot = 0.46 + 0.66 * np.exp(-(grid.x * grid.x + grid.y * grid.y) / (2 * 190.0**2))
     return (diffuse * (1 + hollow) * spot).astype(np.float32)
 
 
 def glint(normal: NDArray, azimuth_deg: float) -> NDArray:
-    """The lamp's modules mirrored towards the camera at that azimuth by a wet surface."""
+    """(h, w): the lamp's modules mirrored towards the camera at that azimuth by a wet surface."""
     azimuth = np.deg2rad(azimuth_deg)
-    eye = np.array([CAMERA_CIRCLE_MM * np.cos(azimuth), CAMERA_CIRCLE_MM * np.sin(azimuth), LAMP_HEIGHT_MM])
-    eye /= np.linalg.norm(eye)
+    lens = np.array([CAMERA_CIRCLE_MM * np.cos(azimuth), CAMERA_CIRCLE_MM * np.sin(azimuth), LAMP_HEIGHT_MM])
+    lens /= np.linalg.norm(lens)
     total = np.zeros(normal.shape[:2], np.float32)
     for turn, share in ((0.0, 0.7), (1.9, 0.6), (-1.9, 0.6), (3.1, 0.5)):
         lamp = np.array([260 * np.cos(azimuth + turn), 260 * np.sin(azimuth + turn), LAMP_HEIGHT_MM])
-        total += share * shine(normal, eye + lamp / np.linalg.norm(lamp), 130)
+        total += share * shine(normal, lens + lamp / np.linalg.norm(lamp), 130)
     return np.minimum(total, 1.3)

@@ -28,7 +28,7 @@ def layer_of(picture: NDArray, gains: NDArray) -> NDArray:
 
 
 class Picture:
-    """Y, U and V of one picture in the making."""
+    """Y, U and V of a picture that is being drawn."""
 
     def __init__(self, y: NDArray, u: NDArray, v: NDArray) -> None:
         self.y, self.u, self.v = y, u, v
@@ -40,13 +40,28 @@ class Picture:
         return cls(cv2.extractChannel(layer, 0), cv2.extractChannel(small, 1), cv2.extractChannel(small, 2))
 
     def copy(self) -> Picture:
+        """One to draw upon."""
         return Picture(self.y.copy(), self.u.copy(), self.v.copy())
 
     def planes(self) -> Planes:
+        """As the encoder takes it."""
         return Planes(self.y, self.u, self.v)
 
     def draw(self, layer: NDArray, matrix: NDArray) -> tuple[Box, NDArray] | None:
-        """Draws a layer through ``matrix`` (its pixels -> this picture's); its box and opacity there."""
+        """Draws a layer.
+
+        Parameters
+        ----------
+        layer
+            (h, w, 4).
+        matrix
+            (3, 3), pixel of the layer -> pixel of this picture.
+
+        Returns
+        -------
+        tuple or None
+            Its box and (h, w) opacity there; None where it lies outside.
+        """
         box = _box(matrix, layer.shape, self.y.shape, 2)
         if box is None:
             return None
@@ -66,7 +81,7 @@ class Picture:
 
 
 class Overlay:
-    """A layer ``scale`` (2, 4 or 8) times smaller than the picture, which gathers others and is laid on once."""
+    """A layer ``scale`` (2, 4 or 8) times smaller than the picture: others are drawn on it, and it is laid once."""
 
     def __init__(self, size: tuple[int, int], scale: int) -> None:
         self.scale = scale
@@ -74,7 +89,7 @@ class Overlay:
         self._used: Box | None = None
 
     def draw(self, layer: NDArray, matrix: NDArray) -> tuple[Box, NDArray] | None:
-        """Draws a layer through ``matrix`` (its pixels -> full-size pixels); its box and opacity in small pixels."""
+        """As `Picture.draw`; ``matrix`` leads to full-size pixels, box and opacity are in the overlay's."""
         s = self.scale
         # A small pixel covers s full-size ones: its centre lies at their middle.
         matrix = np.array([[1 / s, 0, 0.5 / s - 0.5], [0, 1 / s, 0.5 / s - 0.5], [0, 0, 1]]) @ matrix
@@ -94,7 +109,7 @@ class Overlay:
         return alpha
 
     def _take(self) -> tuple[NDArray, int, int] | None:
-        """What was gathered, with a margin for its enlargement to fade out in, and where; it is empty then."""
+        """What was drawn, with a margin for its enlargement to fade out in, and where; the overlay is empty then."""
         if self._used is None:
             return None
         rows, columns = self.layer.shape[:2]
@@ -106,7 +121,7 @@ class Overlay:
         return taken, x0, y0
 
     def into(self, finer: Overlay) -> None:
-        """Lays what was gathered on a finer overlay."""
+        """Lays what was drawn on a finer overlay."""
         taken = self._take()
         if taken is None:
             return
@@ -118,7 +133,7 @@ class Overlay:
         finer._lay(large[: box[3] - box[1], : box[2] - box[0]], box)
 
     def onto(self, picture: Picture) -> None:
-        """Lays what was gathered on the picture: its chroma has half the size anyway."""
+        """Lays what was drawn on the picture: its chroma has half the size anyway."""
         taken = self._take()
         if taken is None:
             return

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 
 def bgr(*values: float) -> NDArray:
-    """A colour, or how much of each of its parts."""
+    """(3,): a colour, or a factor of each channel."""
     return np.array(values, np.float32)
 
 
@@ -68,7 +68,7 @@ def clouds(rng: np.random.Generator, shape: tuple[int, ...], length_px: float, o
 
 
 def warp_by(picture: NDArray, dx: NDArray, dy: NDArray) -> NDArray:
-    """``picture`` looked up (dx, dy) pixels away from each pixel."""
+    """``picture`` resampled (dx, dy) pixels away from each pixel."""
     height, width = dx.shape
     x = np.arange(width, dtype=np.float32)[None] + dx
     y = np.arange(height, dtype=np.float32)[:, None] + dy
@@ -110,12 +110,13 @@ def normals(height: NDArray, pitch: float) -> NDArray:
 
 
 def lambert(normal: NDArray, direction: tuple[float, float, float]) -> NDArray:
+    """(h, w): diffuse reflection of light from ``direction``, 0..1."""
     light = np.asarray(direction, np.float32)
     return np.clip(normal @ (light / np.linalg.norm(light)), 0, 1)
 
 
 def shine(normal: NDArray, half_direction: NDArray, hardness: float) -> NDArray:
-    """A highlight where the surface faces ``half_direction``."""
+    """(h, w): specular highlight (Blinn-Phong) where the surface faces ``half_direction``, 0..1."""
     towards = normal @ (half_direction / np.linalg.norm(half_direction)).astype(np.float32)
     return np.clip(towards, 0, 1) ** hardness
 
@@ -127,4 +128,5 @@ def polyline(mask: NDArray, points_px: NDArray, width_px: float, value: float = 
 
 
 def to_uint8(picture: NDArray) -> NDArray:
+    """0..1 as 0..255."""
     return np.clip(picture * 255 + 0.5, 0, 255).astype(np.uint8)

@@ -20,10 +20,20 @@ def paste(
     layer: NDArray, sprite: Sprite, at: tuple[float, float], turn: float, pitch: float, tall: float,
     corner_mm: float = -HALF_MM,
 ) -> None:  # fmt: skip
-    """Lays a sprite at (x, y) mm, with the soft shade of something ``tall`` mm high.
+    """Lays a sprite on a map, with the soft shade of something ``tall`` mm high.
 
-    layer: float map whose first three channels are BGR; a fourth, if any, keeps how much still shines through.
-    corner_mm: x and y of the layer's first sample.
+    Parameters
+    ----------
+    layer
+        (h, w, 3 or 4) float map: BGR; a fourth channel keeps how much still shines through.
+    sprite, at, turn
+        What, its origin (x, y) in mm, its direction in radians.
+    pitch
+        mm from one sample of the map to the next.
+    tall
+        mm.
+    corner_mm
+        x and y of the map's first sample.
     """
     c, s = np.cos(turn), np.sin(turn)
     move = np.array([[c, -s, at[0]], [s, c, at[1]], [0, 0, 1]])
@@ -73,7 +83,7 @@ def tube(rng: np.random.Generator, pitch: float, material: Material, radius: flo
 
 
 def beside_the_field(rng: np.random.Generator, site: Site, length: float) -> tuple[tuple[float, float], float]:
-    """Where a thing of that length can lie on the drapes, near the field but not in it: its tip and its direction."""
+    """The tip and the direction of a thing of that length that lies on the drapes, near the field but not in it."""
     while True:
         angle, far, turn = rng.uniform(0, 6.28), rng.uniform(130, 260), rng.uniform(0, 6.28)
         tip = np.array([far * np.cos(angle), far * np.sin(angle)])
@@ -97,7 +107,7 @@ def litter(scenario: Scenario, site: Site, layer: NDArray, pitch: float) -> None
         a, b = site.towels[n], site.towels[(n + 1) % 4]
         corner = np.linalg.solve(np.array([a[:2], b[:2]]), np.array([a[2] + 3, b[2] + 3]))
         clay = Clay(-130, -55, 12, 55, pitch)
-        tools.ringed(clay, 0, (0, 0, 0), jaw=24, length=105, open_deg=16, slope=0.02, curve=0.22)
+        tools.ringed(clay, 0, (0, 0, 0), tools.Ringed(24, 105, 16, slope=0.02, curve=0.22))
         away = np.arctan2(corner[1], corner[0]) + rng.normal(0, 0.35)
         paste(layer, clay.bake(rng), tuple(corner), away + np.pi, pitch, 4)
 
@@ -116,10 +126,9 @@ def litter(scenario: Scenario, site: Site, layer: NDArray, pitch: float) -> None
         elif kind == 3:
             tools.hook(clay, 0, (0, 0, 0))
         else:
-            tools.ringed(
-                clay, 0, (0, 0, 0), jaw=(20, 34)[kind - 1], length=rng.uniform(130, 190),
-                open_deg=rng.uniform(2, 14), slope=0.02, curve=(0, 0.15)[kind - 1],
-            )  # fmt: skip
+            jaw, curve = ((20, 0), (34, 0.15))[kind - 1]
+            tool = tools.Ringed(jaw, rng.uniform(130, 190), rng.uniform(2, 14), slope=0.02, curve=curve)
+            tools.ringed(clay, 0, (0, 0, 0), tool)
         angle, far = rng.uniform(0, 6.28), rng.uniform(150, 250)
         turn = angle + rng.choice((0, 1.57, -1.57)) + rng.normal(0, 0.4)
         middle = 80 * np.array([np.cos(turn), np.sin(turn)])
@@ -133,9 +142,9 @@ def litter(scenario: Scenario, site: Site, layer: NDArray, pitch: float) -> None
         across = side * site.wound_mm[1] * np.sqrt(1 - (along / site.wound_mm[0]) ** 2) * 0.80
         at = np.array([along, across + site.bend * along**2])
         c, s = np.cos(axis), np.sin(axis)
-        place = (c * at[0] - s * at[1], s * at[0] + c * at[1])
+        grip = (c * at[0] - s * at[1], s * at[0] + c * at[1])
         turn = axis - side * np.pi / 2 + rng.normal(0, 0.3)
-        paste(layer, clay.bake(rng), place, turn, pitch, 5)
+        paste(layer, clay.bake(rng), grip, turn, pitch, 5)
 
 
 def gauze_in_field(scenario: Scenario, layer: NDArray, site: Site, pitch: float, corner_mm: float) -> None:

@@ -1,4 +1,4 @@
-"""Films a scenario: one video file a camera, side by side in threads, and the truth about them."""
+"""Simulating a recording: one video file a camera, side by side in threads, and the truth about them."""
 
 from __future__ import annotations
 
@@ -18,21 +18,49 @@ from .clocks import Clock, clocks, frame_counts
 from .ground import Ground
 from .render import CameraPictures
 from .scenario import Scenario
+from .scene import Scene
 from .schedule import movement_frames
 from .sound import RATE, Microphone, Room
-from .staging import Play
-from .truth import PoseTruth, Truth, _best_plane, _rms, own_frame, save_truth, transfer
+from .truth import PoseTruth, Truth, fit_homography, own_frame, rms_distance, save_truth, transfer
 
 
 def simulate(scenario: Scenario, out: Path, progress: Progress) -> Truth:
-    """Writes cam1.mp4, cam2.mp4, ... and truth.json with truth.npz into the folder ``out``, which is made if need be.
+    """Simulates a recording and the truth about it.
 
-    Files of an earlier simulation there are replaced. Nothing half-written is left when it fails or is stopped.
+    Parameters
+    ----------
+    scenario
+        What is to be filmed.
+    out
+        The folder for cam1.mp4, cam2.mp4, ... and truth.json with truth.npz; made if need be. Files of an earlier
+        simulation there are replaced.
+    progress
+        Told of the frames.
+
+    Returns
+    -------
+    Truth
+        As `load_truth` reads it from ``out``.
+
+    Raises
+    ------
+    InputError
+        Where ``out`` cannot be written to.
+
+    Notes
+    -----
+    The same scenario makes the same files. Nothing half-written is left when it fails or is stopped.
+
+    Examples
+    --------
+    >>> truth = simulate(Scenario(seed=1, duration_s=60), Path("recording"), Silent())  # doctest: +SKIP
+    >>> truth.movements  # doctest: +SKIP
+    ((711, 820),)
     """
     out = Path(out)
     progress.stage("scene")
-    play = Play.of(scenario)
-    ground = Ground.of(scenario, play.surface, play.rig)
+    scene = Scene.of(scenario)
+    ground = Ground.of(scenario, scene.surface, scene.rig)
     room = Room(scenario) if scenario.audio else None
     counts, times = frame_counts(scenario), clocks(scenario)
     try:
@@ -43,26 +71,33 @@ def simulate(scenario: Scenario, out: Path, progress: Progress) -> Truth:
             f"cannot be written to ({error.strerror})", where=str(out), remedy="Choose another folder"
         ) from error
     progress.stage("film", sum(counts), "frames")
-    filming = Filming(play, ground, room, times, counts, out)
+    filming = Filming(scene, ground, room, times, counts, out)
     visible = filming.run(progress)
-    truth = _truth(play, times, counts, visible)
+    truth = _truth(scene, times, counts, visible)
     save_truth(truth, out)
     return truth
 
 
 class Filming:
-    """All cameras at work at once; OpenCV and the encoder leave Python's lock alone while they work."""
+    """All cameras filming at once, in threads: OpenCV and the encoder release Python's lock while they work."""
 
-    def __init__(self, play: Play, ground: Ground, room: Room | None, times, counts, out: Path) -> None:
-        self._play, self._ground, self._room = play, ground, room
-        self._times: tuple[Clock, ...] = times
-        self._counts: tuple[int, ...] = counts
-        self._files = [out / f"{name}.mp4" for name in play.scenario.camera_names]
+    def __init__(
+        self,
+        scene: Scene,
+        ground: Ground,
+        room: Room | None,
+        times: tuple[Clock, ...],
+        counts: tuple[int, ...],
+        out: Path,
+    ) -> None:
+        self._scene, self._ground, self._room = scene, ground, room
+        self._times, self._counts = times, counts
+        self._files = [out / f"{name}.mp4" for name in scene.scenario.camera_names]
         self._done = [0] * len(counts)
         self._stop = threading.Event()
 
     def run(self, progress: Progress) -> list[NDArray]:
-        """Per camera, (own frames, 2) visible fractions: all things counted, and without hands."""
+        """Per camera (own frames, 2): visible fractions of the field, everything counted, and without hands."""
         cameras = range(len(self._counts))
         finished = False
         with ThreadPoolExecutor(len(cameras)) as pool:
@@ -85,9 +120,9 @@ class Filming:
         return [job.result() for job in jobs]
 
     def _camera(self, camera: int) -> NDArray:
-        scenario = self._play.scenario
-        pictures = CameraPictures(self._play, self._ground, camera, self._times[camera])
-        ear = Microphone(self._room, scenario, camera, self._times[camera]) if self._room else None
+        scenario = self._scene.scenario
+        pictures = CameraPictures(self._scene, self._ground, camera, self._times[camera])
+        microphone = Microphone(self._room, scenario, camera, self._times[camera]) if self._room else None
         visible = np.zeros((self._counts[camera], 2))
         rate = scenario.rate
         heard, length = 0, round(self._counts[camera] / rate * RATE)
@@ -95,17 +130,17 @@ class Filming:
             self._files[camera],
             size=scenario.size,
             rate=rate,
-            # Cameras place keyframes by the clock, not where a head comes in.
+            # Cameras set keyframes by the clock, not where a head comes in.
             encoding=Encoding(options={"preset": "superfast", "crf": str(scenario.crf), "sc_threshold": "0"}),
             keyframe_interval=max(1, round(Fraction(scenario.keyframe_s) * rate)),
-            audio_rate=RATE if ear else None,
+            audio_rate=RATE if microphone else None,
         ) as writer:
             for k in range(self._counts[camera]):
                 if self._stop.is_set():
                     raise Cancelled
-                if ear and heard <= k / rate * RATE and heard < length:
+                if microphone and heard <= k / rate * RATE and heard < length:
                     piece = min(RATE, length - heard)
-                    writer.write_audio(ear.read(piece))
+                    writer.write_audio(microphone.read(piece))
                     heard += piece
                 planes, visible[k] = pictures.frame(k)
                 writer.write(planes)
@@ -113,8 +148,8 @@ class Filming:
         return visible
 
 
-def _truth(play: Play, times: tuple[Clock, ...], counts: tuple[int, ...], visible: list[NDArray]) -> Truth:
-    scenario = play.scenario
+def _truth(scene: Scene, times: tuple[Clock, ...], counts: tuple[int, ...], visible: list[NDArray]) -> Truth:
+    scenario = scene.scenario
     names = scenario.camera_names
     shown = np.zeros((2, scenario.frames, len(names)))
     for c, clock in enumerate(times):
@@ -123,22 +158,26 @@ def _truth(play: Play, times: tuple[Clock, ...], counts: tuple[int, ...], visibl
         shown[:, there, c] = visible[c][own[there]].T
     movements = movement_frames(scenario)
     edges = [0, *(edge for movement in movements for edge in movement), scenario.frames]
-    points = play.surface.field_points_mm
+    points = scene.surface.field_points_mm
     poses, errors = [], []
-    for n, pose in enumerate(play.path.poses):
-        views = [play.rig.view(c, pose) for c in range(len(names))]
-        px = np.stack([view.project(points) for view in views])
+    for n, pose in enumerate(scene.path.poses):
+        pinholes = [scene.rig.pinhole(c, pose) for c in range(len(names))]
+        px = np.stack([pinhole.project(points) for pinhole in pinholes])
         poses.append(
             PoseTruth(
                 range=(edges[2 * n], edges[2 * n + 1]),
-                K=np.stack([v.K for v in views]),
-                R=np.stack([v.R for v in views]),
-                t=np.stack([v.t for v in views]),
+                K=np.stack([v.K for v in pinholes]),
+                R=np.stack([v.R for v in pinholes]),
+                t=np.stack([v.t for v in pinholes]),
                 field_points_px=px,
             )
         )
         errors.append(
-            {name: _rms(transfer(_best_plane(px[c], px[0]), px[c]), px[0]) for c, name in enumerate(names) if c}
+            {
+                name: rms_distance(transfer(fit_homography(px[c], px[0]), px[c]), px[0])
+                for c, name in enumerate(names)
+                if c
+            }
         )
     return Truth(
         scenario=scenario,

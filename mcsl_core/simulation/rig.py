@@ -1,4 +1,4 @@
-"""The lamp and its cameras.
+"""The rig: the lamp and the cameras built into it.
 
 World: mm, right-handed, z up, the table about z = 0, the surgical field about the origin. Camera: x right, y down,
 z forward; a world point X is seen at K (R X + t), pixel centres at integers. Camera 0 is the reference.
@@ -18,18 +18,19 @@ FOCAL_PER_WIDTH = 1.85
 """Focal length over picture width: some 54 x 30 cm of the table from 1 m."""
 
 
-def unit(v: NDArray) -> NDArray:
-    return v / np.sqrt(v @ v)
-
-
-def cross(a: NDArray, b: NDArray) -> NDArray:
-    """The cross product of two 3-vectors, without np.cross's generality, which costs 30 times as much."""
-    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
-
-
 @attrs.frozen(eq=False)
-class View:
-    """One camera at one moment: intrinsics K (3x3, pixels), rotation R (3x3) and translation t (mm)."""
+class PinholeCamera:
+    """One camera at one time.
+
+    Attributes
+    ----------
+    K
+        (3, 3) intrinsics, pixels.
+    R
+        (3, 3) rotation, world to camera.
+    t
+        (3,) translation, mm.
+    """
 
     K: NDArray
     R: NDArray
@@ -37,12 +38,13 @@ class View:
 
     @property
     def centre_mm(self) -> NDArray:
+        """(3,), in the world."""
         return -self.R.T @ self.t
 
     def project(self, points_mm: NDArray) -> NDArray:
         """(N, 3) world points to (N, 2) pixels."""
-        seen = (points_mm @ self.R.T + self.t) @ self.K.T
-        return seen[:, :2] / seen[:, 2:]
+        homogeneous = (points_mm @ self.R.T + self.t) @ self.K.T
+        return homogeneous[:, :2] / homogeneous[:, 2:]
 
     def rays(self, px: NDArray) -> NDArray:
         """World directions (not normalised) through pixels (..., 2)."""
@@ -52,7 +54,19 @@ class View:
 
 @attrs.frozen(eq=False)
 class LampPose:
-    """Where the lamp is: its centre, the point its axis looks at, its turn about that axis, its zoom."""
+    """Where the lamp is.
+
+    Attributes
+    ----------
+    centre_mm
+        (3,), in the world.
+    aim_mm
+        (3,): the point its axis is aimed at.
+    turn_deg
+        Its rotation about that axis.
+    zoom
+        Factor of the cameras' focal lengths.
+    """
 
     centre_mm: NDArray
     aim_mm: NDArray
@@ -70,7 +84,7 @@ class LampPose:
 
     @property
     def axes(self) -> NDArray:
-        """Columns: the lamp's own x, y, z (up) directions in the world."""
+        """(3, 3), columns: the lamp's own x, y, z (up) directions in the world."""
         up = unit(self.centre_mm - self.aim_mm)
         turn = np.deg2rad(self.turn_deg)
         ahead = np.array([np.cos(turn), np.sin(turn), 0.0])
@@ -80,7 +94,21 @@ class LampPose:
 
 @attrs.frozen(eq=False)
 class Rig:
-    """The cameras as they are built into the lamp: on a circle, each turned against its neighbour."""
+    """The cameras as they are built into the lamp: on a circle, each turned against its neighbour.
+
+    Attributes
+    ----------
+    size
+        (width, height) of the pictures.
+    azimuth_deg
+        (cameras,): position on the circle.
+    focal_px
+        (cameras,): focal length.
+    aim_error_mm
+        (cameras, 2): how far from the lamp's aim the optical axis passes.
+    roll_error_deg
+        (cameras,): rotation about the optical axis.
+    """
 
     size: tuple[int, int]
     azimuth_deg: NDArray
@@ -90,6 +118,7 @@ class Rig:
 
     @classmethod
     def of(cls, scenario: Scenario) -> Rig:
+        """The rig of a scenario."""
         rng = scenario.stream("rig")
         n = scenario.cameras
         width = scenario.size[0]
@@ -101,20 +130,30 @@ class Rig:
             rng.normal(0, 1.5, n),
         )
 
-    def view(self, camera: int, pose: LampPose) -> View:
-        """Where ``camera`` stands and looks while the lamp is at ``pose``."""
+    def pinhole(self, camera: int, pose: LampPose) -> PinholeCamera:
+        """Position and optics of ``camera`` while the lamp is at ``pose``."""
         azimuth = np.deg2rad(self.azimuth_deg[camera])
         radial = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
         at = CAMERA_CIRCLE_MM * radial
-        look = unit(np.array([*self.aim_error_mm[camera], -LAMP_HEIGHT_MM]) - at)
+        axis = unit(np.array([*self.aim_error_mm[camera], -LAMP_HEIGHT_MM]) - at)
         # The top of each picture points to the lamp's axis, so neighbours are turned by the angle between them.
         roll = np.deg2rad(self.roll_error_deg[camera])
-        up = -radial * np.cos(roll) + cross(look, radial) * np.sin(roll)
-        down = unit(-(up - (up @ look) * look))
-        local = np.stack([cross(down, look), down, look])
+        up = -radial * np.cos(roll) + cross(axis, radial) * np.sin(roll)
+        down = unit(-(up - (up @ axis) * axis))
+        local = np.stack([cross(down, axis), down, axis])
         R = local @ pose.axes.T
         centre = pose.centre_mm + pose.axes @ at
         width, height = self.size
         focal = self.focal_px[camera] * pose.zoom
         K = np.array([[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1]])
-        return View(K, R, -R @ centre)
+        return PinholeCamera(K, R, -R @ centre)
+
+
+def unit(v: NDArray) -> NDArray:
+    """``v`` at length 1."""
+    return v / np.sqrt(v @ v)
+
+
+def cross(a: NDArray, b: NDArray) -> NDArray:
+    """The cross product of two 3-vectors, without np.cross's generality, which costs 30 times as much."""
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])

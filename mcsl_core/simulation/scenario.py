@@ -57,7 +57,51 @@ def _rate(value: Fraction | int | str) -> Fraction:
 
 @attrs.frozen(kw_only=True)
 class Scenario:
-    """A simulated operation: what is filmed, for how long, and by which cameras."""
+    """A simulated operation: what is filmed, for how long, and by which cameras.
+
+    Parameters
+    ----------
+    seed
+        Of everything drawn from chance.
+    duration_s
+        Of the programme, 0.5 s to a day.
+    size
+        (width, height) of the pictures, even.
+    rate
+        Frames per second, 1 to 240.
+    cameras
+        1 to 9.
+    movements
+        How many lamp movements (placed by chance), or each one's (start_s, length_s) in programme time.
+    keyframe_s
+        From one keyframe to the next.
+    clock_offset_s, drift_ppm
+        Largest absolute clock offset and drift of the cameras other than the reference.
+    relief_mm
+        Height span of the surgical field (1st to 99th percentile); 0 makes it flat.
+    drape, skin, gloves
+        Colours: one of `DRAPES`, `SKINS`, `GLOVES`.
+    heads
+        People whose heads lean into the pictures, 0 to 4.
+    hands
+        Gloved hands that work in the field, 0 to 4.
+    noise
+        Sensor noise, standard deviation in luma levels of 255.
+    crf
+        Of x264, 0 (lossless) to 51.
+    audio
+        Whether the files have audio.
+
+    Raises
+    ------
+    ValueError
+        Where a value is out of range, or movements overlap or do not fit into the duration.
+
+    Examples
+    --------
+    >>> Scenario(seed=1, duration_s=10, movements=((4.0, 1.5),)).camera_names
+    ('cam1', 'cam2', 'cam3', 'cam4', 'cam5')
+    """
 
     seed: int = attrs.field(default=0, validator=_within(0, 2**32 - 1))
     duration_s: float = attrs.field(default=60.0, converter=float, validator=_within(0.5, 24 * 3600))
@@ -65,23 +109,16 @@ class Scenario:
     rate: Fraction = attrs.field(default=Fraction(30000, 1001), converter=_rate)
     cameras: int = attrs.field(default=5, validator=_within(1, 9))
     movements: int | tuple[tuple[float, float], ...] = attrs.field(default=1, converter=_movements)
-    """How many lamp movements (placed by chance), or each one's (start_s, length_s) in programme time."""
     keyframe_s: float = attrs.field(default=1.0, converter=float, validator=_within(0.02, 60))
     clock_offset_s: float = attrs.field(default=0.3, converter=float, validator=_within(0, 30))
-    """Largest absolute clock offset of the cameras other than the reference."""
     drift_ppm: float = attrs.field(default=20.0, converter=float, validator=_within(0, 1000))
-    """Largest absolute clock drift of the cameras other than the reference."""
     relief_mm: float = attrs.field(default=35.0, converter=float, validator=_within(0, 80))
-    """Height span of the surgical field (1st to 99th percentile); 0 makes it flat."""
     drape: str = attrs.field(default="green", validator=_one_of(DRAPES))
     skin: str = attrs.field(default="light", validator=_one_of(SKINS))
     gloves: str = attrs.field(default="white", validator=_one_of(GLOVES))
     heads: int = attrs.field(default=3, validator=_within(0, 4))
-    """People whose heads lean into the views."""
     hands: int = attrs.field(default=3, validator=_within(0, 4))
-    """Gloved hands that work in the field."""
     noise: float = attrs.field(default=1.2, converter=float, validator=_within(0, 10))
-    """Sensor noise, standard deviation in luma levels of 255."""
     crf: int = attrs.field(default=20, validator=_within(0, 51))
     audio: bool = True
 
@@ -111,9 +148,10 @@ class Scenario:
 
     @property
     def camera_names(self) -> tuple[str, ...]:
+        """cam1, cam2, ...; the first is the reference."""
         return tuple(f"cam{n + 1}" for n in range(self.cameras))
 
     def stream(self, *name: object) -> np.random.Generator:
-        """The chance that belongs to one named part of this scenario."""
+        """The random generator of one named part of this scenario."""
         words = [zlib.crc32(str(part).encode()) for part in name]
         return np.random.default_rng([self.seed, *words])

@@ -1,4 +1,4 @@
-"""What happens when, in programme seconds: lamp movements, heads that lean in, hands that work, a field that bleeds.
+"""The schedule, in programme seconds: lamp movements, heads that lean in, hands that work, a field that bleeds.
 
 Everything here is a plain function of time, so that each camera can ask at its own instants.
 """
@@ -25,11 +25,18 @@ def ease(u: float) -> float:
 
 @attrs.frozen(eq=False)
 class LampPath:
-    """The lamp over time: ``poses[i]`` until movement i, then ``poses[i + 1]``."""
+    """The lamp over time.
+
+    Attributes
+    ----------
+    poses
+        ``poses[i]`` holds until movement i, then ``poses[i + 1]``.
+    movements
+        (last instant at rest, first instant at rest again) of each movement.
+    """
 
     poses: tuple[LampPose, ...]
     movements: tuple[tuple[float, float], ...]
-    """(last instant at rest, first instant at rest again) of each movement."""
 
     def pose(self, t: float) -> tuple[LampPose, int | None]:
         """The lamp's pose at ``t`` and which still pose that is, or None while it moves."""
@@ -63,6 +70,7 @@ def movement_frames(scenario: Scenario) -> tuple[tuple[int, int], ...]:
 
 
 def lamp_path(scenario: Scenario) -> LampPath:
+    """The lamp's path through a scenario."""
     rng = scenario.stream("lamp")
     # A camera between two frames of the reference must not move before the reference's first moving frame.
     movements = tuple(
@@ -86,7 +94,12 @@ def lamp_path(scenario: Scenario) -> LampPath:
 class Track:
     """A value that rests at keys and glides from one to the next.
 
-    ``leave_s[i]`` to ``arrive_s[i]`` leads from ``values[i]`` to ``values[i + 1]``.
+    Attributes
+    ----------
+    leave_s, arrive_s
+        From ``leave_s[i]`` to ``arrive_s[i]`` it glides from ``values[i]`` to ``values[i + 1]``.
+    values
+        One more than glides.
     """
 
     leave_s: tuple[float, ...]
@@ -94,6 +107,7 @@ class Track:
     values: tuple[NDArray, ...]
 
     def at(self, t: float) -> NDArray:
+        """The value at ``t``."""
         i = bisect_right(self.leave_s, t) - 1
         if i < 0:
             return self.values[0]
@@ -102,7 +116,7 @@ class Track:
 
 
 def make_track(keys: list[tuple[float, float, NDArray]], first: NDArray) -> Track:
-    """From (leave, arrive, value) in order of time; keys that would begin before the last has ended are put off."""
+    """A track from (leave, arrive, value) in order of time; keys that would overlap the one before are put off."""
     leave, arrive, values = [], [], [first]
     for start, stop, value in keys:
         start = max(start, arrive[-1] if arrive else start)
@@ -120,7 +134,7 @@ def sway(t: float, phase: NDArray, size_mm: float) -> NDArray:
 
 @attrs.frozen(eq=False)
 class Person:
-    """Somebody at the table: where they stand (azimuth about the field) and where their head is over time."""
+    """Somebody at the table: their azimuth about the field, their head over time, the phase of their sway."""
 
     azimuth_deg: float
     head: Track
@@ -132,6 +146,7 @@ class Person:
 
     @property
     def outward(self) -> NDArray:
+        """(3,): the direction from the field to them."""
         azimuth = np.deg2rad(self.azimuth_deg)
         return np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
 
@@ -151,12 +166,12 @@ def people(scenario: Scenario, rig: Rig, path: LampPath) -> tuple[Person, ...]:
             return np.array([*(outward * rng.uniform(330, 400) + side), height + 30])
 
         def over(t: float, rng=rng, azimuth=azimuth, height=height) -> NDArray:
-            """A place between the field and one of the two or three cameras nearest to this person."""
+            """A point between the field and one of the two or three cameras nearest to this person."""
             pose = path.nearest(t)
             away = np.abs((rig.azimuth_deg + pose.turn_deg - azimuth + 180) % 360 - 180)
             near = [c for c in np.argsort(away)[:3] if away[c] < 100] or [int(np.argmin(away))]
-            eye = rig.view(int(rng.choice(near)), pose).centre_mm
-            return np.array([*(eye[:2] * (height / eye[2]) + rng.normal(0, 22, 2)), height])
+            lens = rig.pinhole(int(rng.choice(near)), pose).centre_mm
+            return np.array([*(lens[:2] * (height / lens[2]) + rng.normal(0, 22, 2)), height])
 
         keys, t = [], rng.uniform(-6, 4)
         while t < scenario.duration_s + 5:
@@ -176,23 +191,40 @@ def people(scenario: Scenario, rig: Rig, path: LampPath) -> tuple[Person, ...]:
 
 @attrs.frozen(eq=False)
 class Worker:
-    """A hand at work: where the tip of its instrument is, from which side its arm comes, how far it grips."""
+    """A hand at work.
+
+    Attributes
+    ----------
+    azimuth_deg
+        From which side its arm comes.
+    tip
+        x, y and lift above the surface of its instrument's tip, mm.
+    grip
+        0 closed .. 1 open.
+    phase
+        (3,), of its tremor.
+    kind
+        Its instrument: 0 forceps, 1 ringed, 2 sucker.
+    left
+        Whether it is a left hand.
+    """
 
     azimuth_deg: float
     tip: Track
-    """x, y (mm) and lift above the surface (mm)."""
     grip: Track
-    """0 closed .. 1 open."""
     phase: NDArray
     kind: int
     left: bool
 
     def tip_at(self, t: float) -> NDArray:
+        """(3,): x, y and lift, mm."""
         return self.tip.at(t) + sway(3.1 * t, self.phase, 1.2)
 
 
-def workers(scenario: Scenario, persons: tuple[Person, ...], reach_mm: tuple[float, float], axis_deg: float):
-    """Hands that go from spot to spot in the wound (half axes ``reach_mm``), and leave it now and then."""
+def workers(
+    scenario: Scenario, persons: tuple[Person, ...], reach_mm: tuple[float, float], axis_deg: float
+) -> tuple[Worker, ...]:
+    """Hands that go from point to point in the wound (half axes ``reach_mm``), and leave it now and then."""
     found = []
     for n in range(scenario.hands):
         rng = scenario.stream("hand", n)
@@ -204,7 +236,7 @@ def workers(scenario: Scenario, persons: tuple[Person, ...], reach_mm: tuple[flo
         axes = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
         busy = n < 2
 
-        def spot(rng=rng, outward=outward, axes=axes) -> NDArray:
+        def target(rng=rng, outward=outward, axes=axes) -> NDArray:
             own = axes.T @ (rng.normal(0, 0.45, 2) * reach_mm)
             return np.array([*(own + outward * 8), rng.choice((0.0, 2.0, 8.0))])
 
@@ -215,7 +247,7 @@ def workers(scenario: Scenario, persons: tuple[Person, ...], reach_mm: tuple[flo
                 keys.append((t, t + glide, np.array([*(outward * rng.uniform(260, 340)), 60.0])))
                 t += glide + rng.uniform(1.0, 4.0)
             glide = rng.uniform(0.35, 0.9)
-            keys.append((t, t + glide, spot()))
+            keys.append((t, t + glide, target()))
             t += glide
             for _ in range(int(rng.integers(0, 3))):
                 grips.append((t, t + 0.2, np.array([rng.uniform(0.5, 1.0)])))
@@ -225,7 +257,7 @@ def workers(scenario: Scenario, persons: tuple[Person, ...], reach_mm: tuple[flo
         found.append(
             Worker(
                 azimuth,
-                make_track(keys, spot()),
+                make_track(keys, target()),
                 make_track(grips, np.array([0.2])),
                 rng.uniform(0, 6.28, 3),
                 int(rng.integers(0, 3)),
@@ -237,14 +269,20 @@ def workers(scenario: Scenario, persons: tuple[Person, ...], reach_mm: tuple[flo
 
 @attrs.frozen(eq=False)
 class Progression:
-    """How far the operation has come: ``at(t)`` rises by one from one state of the field to the next.
+    """How far the operation has come. It rests while the lamp moves, so that a movement needs one texture only.
 
-    It rests while the lamp moves, so that a movement needs one texture only.
+    Attributes
+    ----------
+    rests
+        (start, stop) of the lamp's movements.
+    stage_s
+        From one state of the field to the next.
     """
 
     rests: tuple[tuple[float, float], ...]
     stage_s: float = 24.0
 
     def at(self, t: float) -> float:
+        """Rises by one from one state of the field to the next."""
         rested = sum(max(0.0, min(t, stop) - start) for start, stop in self.rests)
         return max(0.0, t - rested) / self.stage_s

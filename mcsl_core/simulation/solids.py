@@ -18,7 +18,27 @@ EMPTY = -1000.0
 
 @attrs.frozen
 class Material:
-    """How a stuff looks: colour (BGR 0..1), gloss 0..1 and its hardness, roughness (mm) of two sizes."""
+    """A material.
+
+    Attributes
+    ----------
+    colour
+        BGR, 0..1.
+    gloss, hardness
+        Strength 0..1 and exponent of its highlights.
+    rough_mm, rough_length_mm
+        Height and length of its unevenness; 0 for smooth.
+    mottle
+        How uneven its colour is, 0..1.
+    mirror
+        How much of its surroundings it mirrors, 0..1: steel.
+    ribs_mm
+        Distance of knitted ribs; 0 without.
+    soft_mm
+        How far its shapes flow into each other: skin over joints.
+    weave
+        How much its threads show, 0..1.
+    """
 
     colour: tuple[float, float, float]
     gloss: float = 0.0
@@ -27,10 +47,8 @@ class Material:
     rough_length_mm: float = 6.0
     mottle: float = 0.03
     mirror: float = 0.0
-    """How much of its surroundings it mirrors: steel."""
     ribs_mm: float = 0.0
     soft_mm: float = 0.0
-    """How far its shapes flow into each other: skin over joints."""
     weave: float = 0.0
 
 
@@ -42,7 +60,17 @@ CABLE = Material((0.45, 0.22, 0.10), gloss=0.4, hardness=60)
 
 @attrs.frozen(eq=False)
 class Sprite:
-    """A cut-out on a plane: ``bgra`` is premultiplied; plane point (x, y) mm lies at pixel origin + (x, y) / pitch."""
+    """A cut-out on a plane: plane point (x, y) mm lies at pixel origin + (x, y) / pitch.
+
+    Attributes
+    ----------
+    bgra
+        (h, w, 4) uint8, premultiplied.
+    origin_px
+        (x, y) of the plane's origin.
+    pitch_mm
+        From one pixel to the next.
+    """
 
     bgra: NDArray
     origin_px: tuple[float, float]
@@ -50,14 +78,22 @@ class Sprite:
 
     @property
     def to_plane(self) -> NDArray:
-        """3x3: pixel -> plane, mm."""
+        """(3, 3): pixel -> plane, mm."""
         ox, oy = self.origin_px
         p = self.pitch_mm
         return np.array([[p, 0, -ox * p], [0, p, -oy * p], [0, 0, 1.0]])
 
 
 class Clay:
-    """What has been modelled so far; made at twice the sprite's resolution for smooth edges."""
+    """A height map that is modelled upon, at twice the sprite's resolution for smooth edges.
+
+    Parameters
+    ----------
+    left, top, right, bottom
+        What of the plane it spans, mm.
+    pitch_mm
+        Of the sprite.
+    """
 
     def __init__(self, left: float, top: float, right: float, bottom: float, pitch_mm: float) -> None:
         self.pitch = pitch_mm / 2
@@ -75,20 +111,33 @@ class Clay:
         return self.materials.index(material) + 1
 
     def grid(self) -> tuple[NDArray, NDArray]:
+        """x and y of every sample, mm."""
         rows, columns = self.z.shape
         x = np.arange(columns, dtype=np.float32) * self.pitch + self.left
         y = np.arange(rows, dtype=np.float32) * self.pitch + self.top
         return np.meshgrid(x, y)
 
     def rod(self, points: ArrayLike, radii: ArrayLike, material: Material, blend_mm: float = 0.0) -> None:
-        """A chain of round bars through points (x, y, z); ``blend_mm`` melts them into what is there already."""
+        """Adds a chain of round bars.
+
+        Parameters
+        ----------
+        points
+            (N, 3) x, y, z, mm.
+        radii
+            (N,) or one for all, mm.
+        material
+            What it is made of.
+        blend_mm
+            How far it melts into what is there already.
+        """
         line = np.asarray(points, np.float64)
         thick = np.broadcast_to(np.asarray(radii, np.float64), len(line))
         for a, b, ra, rb in zip(line[:-1], line[1:], thick[:-1], thick[1:], strict=True):
             self._bar(a, b, ra, rb, material, blend_mm)
 
     def ball(self, centre: tuple, radii: tuple, material: Material, blend_mm: float = 0.0, turn: float = 0) -> None:
-        """An ellipsoid with half axes (x, y, z), turned in the plane."""
+        """Adds an ellipsoid with half axes ``radii`` (x, y, z), turned in the plane by ``turn`` radians."""
         reach = max(radii[:2])
         window = self._window(np.asarray(centre) - reach, np.asarray(centre) + reach)
         if window is None:
@@ -101,7 +150,7 @@ class Clay:
         self._add(window, z, inside > 0, material, blend_mm)
 
     def sheet(self, mask: NDArray, z: NDArray | float, material: Material) -> None:
-        """A flat thing: wherever ``mask`` holds, at height ``z``."""
+        """Adds a flat thing: wherever ``mask`` holds, at height ``z``."""
         window = (slice(0, self.z.shape[0]), slice(0, self.z.shape[1]))
         self._add(window, np.broadcast_to(np.asarray(z, np.float32), self.z.shape), mask, material, 0.0)
 
@@ -164,7 +213,7 @@ class Clay:
                 self.z += smoothstep(0.5, 1.0, share) * at * (mean - self.z)
 
     def bake(self, rng: np.random.Generator, stain: tuple | None = None) -> Sprite:
-        """Light falls on it; ``stain`` is (x, y, radius) in mm of a place that is bloody."""
+        """The lit sprite; ``stain`` is (x, y, radius) in mm of a blood stain."""
         self._trim()
         shape, pitch = self.z.shape, self.pitch
         solid = self.part > 0

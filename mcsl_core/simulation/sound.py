@@ -21,7 +21,7 @@ _LONGEST_S = 4.0
 
 
 class Room:
-    """All that sounds; ``second(n)`` is programme time n to n + 1. Safe to ask from several threads."""
+    """All that sounds in the room. Safe to ask from several threads."""
 
     def __init__(self, scenario: Scenario) -> None:
         rng = scenario.stream("room")
@@ -43,6 +43,7 @@ class Room:
         self._lock = threading.Lock()
 
     def second(self, n: int) -> NDArray:
+        """(`RATE`,) float32: programme time n to n + 1."""
         with self._lock:
             if n not in self._made:
                 while len(self._made) > 24:
@@ -89,7 +90,7 @@ class Room:
 
 
 class Microphone:
-    """One camera's sound, to be read in order: ``read(n)`` gives the next n samples of its own time."""
+    """One camera's audio on its own clock, read in order."""
 
     def __init__(self, room: Room, scenario: Scenario, camera: int, clock: Clock) -> None:
         rng = scenario.stream("microphone", camera)
@@ -102,7 +103,7 @@ class Microphone:
         self._done = 0
 
     def read(self, samples: int) -> NDArray:
-        """(samples, 1) float32."""
+        """(samples, 1) float32 in -1..1: the next ones."""
         own = np.arange(self._done, self._done + samples) / RATE
         self._done += samples
         t = own / (1 + self._clock.drift_ppm * 1e-6) + self._clock.offset_s - self._delay_s

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .paint import clouds, smoothstep, streaks, warp_by, waves
-from .rig import View
+from .rig import PinholeCamera
 from .scenario import Scenario
 
 HALF_MM = 432.0
@@ -19,24 +19,58 @@ PITCH_MM = 1.5
 SIDE = int(2 * HALF_MM / PITCH_MM) + 1
 
 
-def plan(pitch_mm: float = PITCH_MM, half_mm: float = HALF_MM) -> tuple[NDArray, NDArray]:
-    """x and y (mm, float32) of every sample of a map."""
-    line = np.arange(int(2 * half_mm / pitch_mm) + 1, dtype=np.float32) * pitch_mm - half_mm
-    return np.meshgrid(line, line)
+@attrs.frozen(eq=False)
+class Grid:
+    """The sample positions of a map.
+
+    Attributes
+    ----------
+    x, y
+        (h, w) float32, mm.
+    pitch_mm
+        From one sample to the next.
+    """
+
+    x: NDArray
+    y: NDArray
+    pitch_mm: float
+
+    @classmethod
+    def of_table(cls, pitch_mm: float = PITCH_MM) -> Grid:
+        """All of the square."""
+        line = np.arange(int(2 * HALF_MM / pitch_mm) + 1, dtype=np.float32) * pitch_mm - HALF_MM
+        x, y = np.meshgrid(line, line)
+        return cls(x, y, pitch_mm)
+
+    def part(self, cut: tuple[slice, slice]) -> Grid:
+        """The cut-out of these rows and columns."""
+        return Grid(self.x[cut], self.y[cut], self.pitch_mm)
 
 
 @attrs.frozen(eq=False)
 class Site:
-    """The lie of the operation: the drapes' opening and the incision in it."""
+    """The site of the operation: the drapes' opening and the incision in it.
+
+    Attributes
+    ----------
+    axis_deg
+        Direction of the incision.
+    towels
+        (4, 3): unit normal and distance of each drape's edge; the opening is where n.p < d for all.
+    order
+        (4,): the order in which the four towels were laid.
+    wound_mm
+        Half length and half width of the incision, held open.
+    bend
+        Curvature of the incision.
+    wobble
+        (8,): phases of the waves along the edges.
+    """
 
     axis_deg: float
-    """Direction of the incision."""
     towels: NDArray
-    """(4, 3): unit normal and distance of each drape's edge; the opening is where n.p < d for all."""
     order: NDArray
-    """The order in which the four towels were laid."""
     wound_mm: tuple[float, float]
-    """Half length and half width of the incision, held open."""
     bend: float
     wobble: NDArray
 
@@ -79,14 +113,24 @@ class Site:
 
 @attrs.frozen(eq=False)
 class Surface:
-    """Heights (mm) and the points that stand for the surgical field."""
+    """The relief and the points that stand for the surgical field.
+
+    Attributes
+    ----------
+    site
+        The drapes' opening and the incision.
+    height_mm
+        (h, w), heights.
+    field_points_mm
+        (N, 3), spread evenly over the field, some 300 of them: the truth's correspondences.
+    visibility_points_mm
+        (M, 3), 500 and more: what the visible fraction is counted on.
+    """
 
     site: Site
     height_mm: NDArray
     field_points_mm: NDArray
-    """(N, 3), spread evenly over the field, some 300 of them: the truth's correspondences."""
-    dense_points_mm: NDArray
-    """(M, 3), 500 and more: what the visible fraction is counted on."""
+    visibility_points_mm: NDArray
 
     @classmethod
     def of(cls, scenario: Scenario) -> Surface:
@@ -95,13 +139,14 @@ class Surface:
         return cls(site, height, spread(site, height, 9.0), spread(site, height, 7.0))
 
     def height_at(self, x: NDArray, y: NDArray) -> NDArray:
+        """Heights in mm at points in mm."""
         return sample(self.height_mm, x, y)
 
-    def meet(self, view: View, px: NDArray) -> tuple[NDArray, NDArray]:
+    def intersect(self, pinhole: PinholeCamera, px: NDArray) -> tuple[NDArray, NDArray]:
         """x, y (mm, float32) where the rays through pixels (..., 2) meet the surface."""
-        rays = view.rays(px)
+        rays = pinhole.rays(px)
         slope_x, slope_y = rays[..., 0] / rays[..., 2], rays[..., 1] / rays[..., 2]
-        cx, cy, cz = view.centre_mm
+        cx, cy, cz = pinhole.centre_mm
         z = np.zeros(px.shape[:-1])
         # Fixed-point steps; the half step keeps steep wound walls seen at a slant from oscillating.
         for n in range(14):
@@ -112,7 +157,7 @@ class Surface:
 
 
 def sample(height: NDArray, x: NDArray, y: NDArray) -> NDArray:
-    """A map's values at points in mm, between the samples by straight lines."""
+    """A map's values at points in mm, by bilinear interpolation."""
     flat = cv2.remap(
         height,
         ((np.asarray(x) + HALF_MM) / PITCH_MM).astype(np.float32).reshape(np.shape(x)[0], -1),
@@ -126,7 +171,8 @@ def sample(height: NDArray, x: NDArray, y: NDArray) -> NDArray:
 def relief(scenario: Scenario, site: Site) -> NDArray:
     """The body's swell, the gaping wound with its lips and what bulges in it, drapes in folds around."""
     rng = scenario.stream("relief")
-    x, y = plan()
+    grid = Grid.of_table()
+    x, y = grid.x, grid.y
     shape = x.shape
     u, v = site.along(x, y)
     turn = rng.uniform(-0.5, 0.5)

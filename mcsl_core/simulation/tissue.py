@@ -1,7 +1,7 @@
 """Skin, wound and blood of the surgical field.
 
 Works on a cut-out of the table's map around the field; colours BGR 0..1, heights mm. Hues stay in OpenCV's 0..30 and
-150..179, which is where the paper looks for a field; pen marks and veins alone leave it.
+150..179, which is where the paper finds a field; pen marks and veins alone leave it.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .paint import bgr, cells, clouds, mix, polyline, smoothstep, warp_by, waves
 from .scenario import Scenario
-from .surface import Site
+from .surface import Grid, Site
 
 SKINS = {"light": (0.52, 0.63, 0.84), "medium": (0.33, 0.45, 0.68), "dark": (0.15, 0.21, 0.36)}
 BLOOD = (0.05, 0.04, 0.47)
@@ -22,19 +22,30 @@ DEEP_BLOOD = (0.03, 0.02, 0.27)
 
 @attrs.frozen(eq=False)
 class Tissue:
-    """A painted field before light falls on it."""
+    """A painted field before light falls on it.
+
+    Attributes
+    ----------
+    colour
+        (h, w, 3), BGR 0..1.
+    bump_mm
+        (h, w), fine relief.
+    wet
+        (h, w), 0 dry skin .. 1 wet tissue.
+    opening
+        (h, w), 1 where skin lies bare, 0 under drapes.
+    bleed
+        (h, w), where blood comes first: the field is bloody where this exceeds a level that falls as it bleeds.
+    """
 
     colour: NDArray
     bump_mm: NDArray
     wet: NDArray
-    """0 dry skin .. 1 wet tissue."""
     opening: NDArray
-    """1 where skin lies bare, 0 under drapes."""
     bleed: NDArray
-    """Where blood comes first: the field is bloody where this exceeds a level that falls as it bleeds."""
 
     def with_blood(self, level: float, specks: np.random.Generator) -> tuple[NDArray, NDArray]:
-        """Colour and wetness when everything above ``level`` is covered with blood."""
+        """Colour and wetness when everything above ``level`` is bloody."""
         film = smoothstep(level - 0.28, level + 0.1, self.bleed)
         thick = smoothstep(level + 0.1, level + 0.8, self.bleed)
         colour = mix(self.colour, BLOOD, 0.82 * film)
@@ -44,13 +55,15 @@ class Tissue:
         return colour, np.maximum(self.wet, np.maximum(film, drops) * 0.9)
 
 
-def paint_tissue(scenario: Scenario, site: Site, x: NDArray, y: NDArray, pitch: float) -> Tissue:
+def paint_tissue(scenario: Scenario, site: Site, grid: Grid) -> Tissue:
+    """Skin around the wound, and what lies open in it."""
+    x, y, pitch = grid.x, grid.y, grid.pitch_mm
     shape = x.shape
     opening = site.opening(x, y)
-    u, v = site.along(x, y)
+    u, _ = site.along(x, y)
     depth = site.wound(x, y) + 0.05 * waves(scenario.stream("ragged"), shape, 5 / pitch)
-    colour, bump = _skin(scenario, site, x, y, u, v, depth, pitch)
-    inner, inner_bump = _inside(scenario, u, v, depth, site, pitch)
+    colour, bump = _skin(scenario, site, depth, pitch)
+    inner, inner_bump = _inside(scenario, site, u, depth, pitch)
     within = smoothstep(-0.02, 0.02, depth)
     rim = np.exp(-((depth / 0.06) ** 2))
     colour = mix(mix(colour, inner, within), (0.46, 0.50, 0.82), 0.55 * rim)
@@ -65,10 +78,10 @@ def paint_tissue(scenario: Scenario, site: Site, x: NDArray, y: NDArray, pitch: 
     return Tissue(colour, bump.astype(np.float32), wet.astype(np.float32), bare, bleed.astype(np.float32))
 
 
-def _skin(scenario, site, x, y, u, v, depth, pitch):
-    """Mottled, with pores, hair, veins, the yellow-brown of the disinfectant and the surgeon's pen."""
+def _skin(scenario: Scenario, site: Site, depth: NDArray, pitch: float) -> tuple[NDArray, NDArray]:
+    """Colour and fine relief: mottled, with pores, hair, veins, the disinfectant's yellow-brown, the surgeon's pen."""
     rng = scenario.stream("skin")
-    shape = x.shape
+    shape = depth.shape
     base = np.array(SKINS[scenario.skin], np.float32) * (1 + rng.normal(0, 0.03, 3))
     mottle = clouds(rng, shape, 28 / pitch, 4)
     colour = base * (1 + bgr(0.05, 0.045, 0.02) * mottle[..., None]) * np.ones((*shape, 1), np.float32)
@@ -86,14 +99,21 @@ def _skin(scenario, site, x, y, u, v, depth, pitch):
     colour = mix(colour, base * bgr(0.95, 0.74, 0.66), 0.4 * vein)
     bump += 0.5 * vein
 
-    spots = np.zeros(shape, np.uint8)
+    colour = _with_hair(rng, colour, base, pitch)
+    return _with_pen_marks(rng, colour, base, site, pitch), bump
+
+
+def _with_hair(rng: np.random.Generator, colour: NDArray, base: NDArray, pitch: float) -> NDArray:
+    """``colour`` with moles and hair."""
+    shape = colour.shape[:2]
+    moles = np.zeros(shape, np.uint8)
     hair = np.zeros(shape, np.uint8)
     half = (shape[1] - 1) / 2
     for _ in range(int(rng.integers(6, 36))):
         at = rng.uniform(-110, 110, 2) / pitch + half
         radius = rng.uniform(0.4, 1.3) / pitch
-        cv2.circle(spots, tuple(int(c * 16) for c in at), int(radius * 16), int(rng.integers(70, 220)), -1, 16, 4)
-    colour = mix(colour, base * bgr(0.35, 0.42, 0.55), spots / np.float32(255))
+        cv2.circle(moles, tuple(int(c * 16) for c in at), int(radius * 16), int(rng.integers(70, 220)), -1, 16, 4)
+    colour = mix(colour, base * bgr(0.35, 0.42, 0.55), moles / np.float32(255))
     lie = rng.uniform(0, 6.28)
     for _ in range(int(rng.integers(60, 420))):
         at, turn = rng.uniform(-110, 110, 2), lie + rng.normal(0, 0.45)
@@ -102,8 +122,13 @@ def _skin(scenario, site, x, y, u, v, depth, pitch):
         bend = turn + curl * way
         line = at + np.stack([np.cos(bend), np.sin(bend)], 1) * way[:, None]
         polyline(hair, line / pitch + half, 0.25 / pitch, rng.uniform(0.15, 0.45))
-    colour = mix(colour, base * bgr(0.22, 0.22, 0.28), hair / np.float32(255))
+    return mix(colour, base * bgr(0.22, 0.22, 0.28), hair / np.float32(255))
 
+
+def _with_pen_marks(rng: np.random.Generator, colour: NDArray, base: NDArray, site: Site, pitch: float) -> NDArray:
+    """``colour`` with the surgeon's ticks across the incision."""
+    shape = colour.shape[:2]
+    half = (shape[1] - 1) / 2
     pen = np.zeros(shape, np.uint8)
     turn = np.deg2rad(site.axis_deg)
     turned = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
@@ -114,12 +139,11 @@ def _skin(scenario, site, x, y, u, v, depth, pitch):
             tick[:, 1] += site.bend * tick[:, 0] ** 2
             polyline(pen, tick @ turned / pitch + half, 1.1 / pitch, 0.8)
     worn = (pen / np.float32(255)) * smoothstep(-1.4, 0.6, waves(rng, shape, 3 / pitch))
-    colour = mix(colour, base * bgr(0.62, 0.26, 0.36), 0.7 * worn)
-    return colour, bump
+    return mix(colour, base * bgr(0.62, 0.26, 0.36), 0.7 * worn)
 
 
-def _inside(scenario, u, v, depth, site, pitch):
-    """From the lips inwards: fat in lobules, muscle in strands, at the bottom a glistening organ."""
+def _inside(scenario: Scenario, site: Site, u: NDArray, depth: NDArray, pitch: float) -> tuple[NDArray, NDArray]:
+    """Colour and fine relief from the lips inwards: fat in lobules, muscle in strands, a glistening organ."""
     rng = scenario.stream("inside")
     shape = u.shape
     lobule, value = cells(rng, shape, 4.2 / pitch)

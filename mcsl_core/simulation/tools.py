@@ -2,17 +2,36 @@
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .solids import STEEL, Clay, Material
 
 
-def placed(points: ArrayLike, turn: float = 0.0, at: tuple[float, float, float] = (0, 0, 0)) -> np.ndarray:
-    """Points turned in the plane (radians) and moved."""
-    c, s = np.cos(turn), np.sin(turn)
-    turned = np.asarray(points, float) @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
-    return turned + np.asarray(at, float)
+@attrs.frozen
+class Ringed:
+    """An instrument of two arms that cross at a joint, with finger rings: needle holder, clamp or scissors.
+
+    Attributes
+    ----------
+    jaw_mm
+        Length of the jaws.
+    length_mm
+        From tip to rings.
+    open_deg
+        Angle between the jaws.
+    slope
+        Rise per mm along the instrument.
+    curve
+        How far the jaws are bent sideways, as a share of their length.
+    """
+
+    jaw_mm: float
+    length_mm: float = 165.0
+    open_deg: float = 8.0
+    slope: float = 0.15
+    curve: float = 0.0
 
 
 def forceps(clay: Clay, turn: float, at: tuple, open_mm: float = 4.0, slope: float = 0.25) -> None:
@@ -32,21 +51,18 @@ def forceps(clay: Clay, turn: float, at: tuple, open_mm: float = 4.0, slope: flo
             )
 
 
-def _ring(centre: tuple[float, float, float], radius: float) -> list:
-    angles = np.linspace(0, 2 * np.pi, 25)
-    return [(centre[0] + 1.25 * radius * np.cos(a), centre[1] + radius * np.sin(a), centre[2]) for a in angles]
-
-
-def ringed(
-    clay: Clay, turn: float, at: tuple, jaw: float, length: float = 165.0, open_deg: float = 8.0,
-    slope: float = 0.15, ring_material: Material = STEEL, curve: float = 0.0,
-) -> None:  # fmt: skip
-    """Needle holder, clamp or scissors: two arms crossing at a joint, with finger rings; jaws ``jaw`` long."""
-    half = np.deg2rad(open_deg) / 2
+def ringed(clay: Clay, turn: float, at: tuple, tool: Ringed) -> None:
+    """Needle holder, clamp or scissors: two arms that cross at a joint, with finger rings."""
+    jaw, length, slope = tool.jaw_mm, tool.length_mm, tool.slope
+    half = np.deg2rad(tool.open_deg) / 2
     for side in (-1, 1):
         ts = np.linspace(0, 1, 7)
         jaw_points = [
-            (-jaw * u, side * (np.tan(half) * jaw * (1 - u) + 0.9 * u) + curve * (1 - u) ** 2 * jaw, slope * jaw * u)
+            (
+                -jaw * u,
+                side * (np.tan(half) * jaw * (1 - u) + 0.9 * u) + tool.curve * (1 - u) ** 2 * jaw,
+                slope * jaw * u,
+            )
             for u in ts
         ]
         clay.rod(placed(jaw_points, turn, at), list(0.9 + 1.7 * ts), STEEL)
@@ -60,7 +76,7 @@ def ringed(
         ]
         clay.rod(placed(arm, turn, at), [3.0, 2.5, 2.1, 2.0, 2.2], STEEL)
         ring = _ring((-length + 6, -side * (9 + spread), slope * length), 9.5)
-        clay.rod(placed(ring, turn, at), 2.0, ring_material)
+        clay.rod(placed(ring, turn, at), 2.0, STEEL)
     joint = placed([(-jaw, 0, slope * jaw + 1.2), (-jaw - 0.1, 0, slope * jaw + 1.2)], turn, at)
     clay.rod(joint, 3.8, STEEL)
 
@@ -79,3 +95,15 @@ def sucker(clay: Clay, turn: float, at: tuple, material: Material) -> None:
     tube = [(0, 0, 0), (-45, 3, 8), (-95, 3, 22), (-150, 0, 40)]
     clay.rod(placed(tube, turn, at), [2.2, 2.6, 3.4, 6.0], STEEL)
     clay.rod(placed([(-118, 2, 30), (-190, 0, 50)], turn, at), [5.5, 7.5], material)
+
+
+def placed(points: ArrayLike, turn: float = 0.0, at: tuple[float, float, float] = (0, 0, 0)) -> np.ndarray:
+    """Points turned in the plane (radians) and moved."""
+    c, s = np.cos(turn), np.sin(turn)
+    turned = np.asarray(points, float) @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
+    return turned + np.asarray(at, float)
+
+
+def _ring(centre: tuple[float, float, float], radius: float) -> list:
+    angles = np.linspace(0, 2 * np.pi, 25)
+    return [(centre[0] + 1.25 * radius * np.cos(a), centre[1] + radius * np.sin(a), centre[2]) for a in angles]

@@ -1,4 +1,4 @@
-"""What is really so in a simulated recording: ``truth.json`` with ``truth.npz`` beside it.
+"""The truth about a simulated recording: ``truth.json`` with ``truth.npz`` beside it.
 
 Times and frames are the programme's, which are the reference camera's. Pixels are full-size, centres at integers;
 world points in mm (see rig.py). Cameras may be named by their index or their name.
@@ -19,7 +19,7 @@ from scipy.optimize import least_squares
 from mcsl_core.errors import DocumentError
 
 from .clocks import Clock
-from .rig import View
+from .rig import PinholeCamera
 from .scenario import Scenario
 
 SCHEMA = "mcsl.truth/1"
@@ -27,26 +27,67 @@ SCHEMA = "mcsl.truth/1"
 
 @attrs.frozen(eq=False, kw_only=True)
 class PoseTruth:
-    """A stretch in which the lamp stands still, and what its cameras see of the field's points then."""
+    """Programme frames in which the lamp stands still, and where its cameras see the field's points then.
+
+    Attributes
+    ----------
+    range
+        [start, stop) in programme frames.
+    K
+        (cameras, 3, 3), pixels.
+    R
+        (cameras, 3, 3), world to camera.
+    t
+        (cameras, 3), mm.
+    field_points_px
+        (cameras, N, 2): the truth's ``field_points_mm`` in each camera.
+    """
 
     range: tuple[int, int]
-    """[start, stop) in programme frames."""
     K: NDArray
-    """(cameras, 3, 3), pixels."""
     R: NDArray
-    """(cameras, 3, 3), world to camera."""
     t: NDArray
-    """(cameras, 3), mm."""
     field_points_px: NDArray
-    """(cameras, N, 2): the truth's ``field_points_mm`` in each camera."""
 
-    def view(self, camera: int) -> View:
-        return View(self.K[camera], self.R[camera], self.t[camera])
+    def pinhole(self, camera: int) -> PinholeCamera:
+        """The camera of that index."""
+        return PinholeCamera(self.K[camera], self.R[camera], self.t[camera])
 
 
 @attrs.frozen(eq=False, kw_only=True)
 class Truth:
-    """All that is known about a simulated recording."""
+    """All that is known about a simulated recording.
+
+    Attributes
+    ----------
+    scenario
+        What was simulated.
+    rate, frames, size
+        The programme's; all cameras have this rate and size.
+    cameras, reference
+        Their names, and the first of them.
+    files
+        File names beside truth.json, one a camera.
+    camera_frames
+        How many frames each file has.
+    clocks
+        Each camera's.
+    movements
+        [first frame with any motion, first frame standing still again) of each movement.
+    poses
+        Between the movements.
+    field_points_mm
+        (N, 3): points spread evenly over the surgical field, on its relief; the same for all poses.
+    visible_field
+        (frames, cameras), 0..1: the fraction of the field's surface (counted on `Surface.visibility_points_mm`) that
+        lies inside that camera's picture and is occluded by nothing drawn above it: heads, shoulders, reaching arms,
+        hands at work and their instruments. 0 for a camera without picture at that time. A camera shows its latest
+        frame.
+    visible_field_without_hands
+        The same, with the hands at work left out: what heads, shoulders and reaching arms alone leave visible.
+    best_plane_error_px
+        Per pose, camera -> `best_plane_error`.
+    """
 
     scenario: Scenario
     rate: Fraction
@@ -54,26 +95,18 @@ class Truth:
     size: tuple[int, int]
     cameras: tuple[str, ...]
     files: tuple[str, ...]
-    """File names beside truth.json, one a camera."""
     reference: str
     camera_frames: tuple[int, ...]
-    """How many frames each file has."""
     clocks: tuple[Clock, ...]
     movements: tuple[tuple[int, int], ...]
-    """[first frame with any motion, first frame standing still again) of each movement."""
     poses: tuple[PoseTruth, ...]
     field_points_mm: NDArray
-    """(N, 3): points spread evenly over the surgical field, on its relief; the same for all poses."""
     visible_field: NDArray
-    """(frames, cameras), 0..1: the fraction of the field's surface (counted on its dense points) that lies inside
-    that camera's picture and is hidden by nothing drawn above it: heads, shoulders, reaching arms, hands at work
-    and their instruments. Of a camera with no picture at that time, 0. A camera shows its latest frame."""
     visible_field_without_hands: NDArray
-    """The same, with the hands at work left out: what heads, shoulders and reaching arms alone leave visible."""
     best_plane_error_px: tuple[dict[str, float], ...]
-    """Per pose and camera: see ``best_plane_error``."""
 
     def camera_index(self, camera: int | str) -> int:
+        """The index of a camera named by its index or its name."""
         return self.cameras.index(camera) if isinstance(camera, str) else camera
 
     def own_frame(self, camera: int | str, frame: int) -> int | None:
@@ -89,25 +122,41 @@ def own_frame(clock: Clock, rate: Fraction, frame: int) -> int:
 
 
 def transfer(H: NDArray, px: NDArray) -> NDArray:
-    """(N, 2) pixels through a homography."""
+    """(N, 2) pixels through a homography. Written again here: the truth shares no code with what it judges."""
     moved = np.concatenate([px, np.ones((len(px), 1))], 1) @ np.asarray(H, float).T
     return moved[:, :2] / moved[:, 2:]
 
 
-def _rms(a: NDArray, b: NDArray) -> float:
+def rms_distance(a: NDArray, b: NDArray) -> float:
+    """Root mean square distance of (N, 2) points."""
     return float(np.sqrt(((a - b) ** 2).sum(1).mean()))
 
 
 def alignment_error(truth: Truth, pose_index: int, camera: int | str, H: NDArray) -> float:
-    """rms over the field's points, in reference pixels, of a homography camera pixel -> reference camera pixel."""
+    """How far a homography misses over the surgical field.
+
+    Parameters
+    ----------
+    truth
+        Of the recording.
+    pose_index, camera
+        Where it holds; the camera by index or name.
+    H
+        (3, 3), camera pixel -> reference camera pixel.
+
+    Returns
+    -------
+    float
+        rms over the field's points, reference pixels.
+    """
     px = truth.poses[pose_index].field_points_px
-    return _rms(transfer(H, px[truth.camera_index(camera)]), px[truth.camera_index(truth.reference)])
+    return rms_distance(transfer(H, px[truth.camera_index(camera)]), px[truth.camera_index(truth.reference)])
 
 
 def best_plane(truth: Truth, pose_index: int, camera: int | str) -> NDArray:
-    """The homography camera -> reference with the least rms transfer error over the true correspondences."""
+    """(3, 3): the homography camera -> reference camera with the least rms transfer error over the field points."""
     px = truth.poses[pose_index].field_points_px
-    return _best_plane(px[truth.camera_index(camera)], px[truth.camera_index(truth.reference)])
+    return fit_homography(px[truth.camera_index(camera)], px[truth.camera_index(truth.reference)])
 
 
 def best_plane_error(truth: Truth, pose_index: int, camera: int | str) -> float:
@@ -115,7 +164,8 @@ def best_plane_error(truth: Truth, pose_index: int, camera: int | str) -> float:
     return alignment_error(truth, pose_index, camera, best_plane(truth, pose_index, camera))
 
 
-def _best_plane(source: NDArray, target: NDArray) -> NDArray:
+def fit_homography(source: NDArray, target: NDArray) -> NDArray:
+    """(3, 3): the homography with the least rms transfer error from (N, 2) ``source`` to ``target``."""
     # Both sides about the origin with unit spread, else the eight numbers differ by six orders of magnitude.
     a, b = _normaliser(source), _normaliser(target)
     p, q = transfer(a, source), transfer(b, target)
@@ -175,7 +225,13 @@ def save_truth(truth: Truth, folder: Path) -> None:
 
 
 def load_truth(path: Path | str) -> Truth:
-    """Reads truth.json (or the folder it is in) and the arrays beside it; DocumentError when it is none."""
+    """Reads truth.json (or the folder it is in) and the arrays beside it.
+
+    Raises
+    ------
+    DocumentError
+        Where it is none.
+    """
     path = Path(path)
     path = path / "truth.json" if path.is_dir() else path
     try:

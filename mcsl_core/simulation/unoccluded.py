@@ -1,4 +1,4 @@
-"""The scene without people, as wide as one likes: what a filled programme is held against."""
+"""The scene without people, as wide as one likes: what a filled programme is compared with."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from .backdrop import Backdrop
 from .ground import Ground
 from .layers import Picture
 from .render import sensor, vignette
-from .rig import View
+from .rig import PinholeCamera
 from .scenario import Scenario
-from .staging import Play
+from .scene import Scene
 
 
 class UnoccludedScene:
@@ -25,14 +25,16 @@ class UnoccludedScene:
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        play = Play.of(attrs.evolve(scenario, heads=0, hands=0))
+        scene = Scene.of(attrs.evolve(scenario, heads=0, hands=0))
         _, gains, self._corner = sensor(scenario, 0)
-        self._view, self._size = play.rig.view(0, play.path.poses[0]), scenario.size
-        self._backdrop = Backdrop(play, Ground.of(scenario, play.surface, play.rig), 0, gains)
+        self._pinhole, self._size = scene.rig.pinhole(0, scene.path.poses[0]), scenario.size
+        self._backdrop = Backdrop(scene, Ground.of(scenario, scene.surface, scene.rig), 0, gains)
 
     def at(self, t: float, offset: tuple[float, float] = (0.0, 0.0)) -> Planes:
-        """At programme time ``t`` in seconds; what the camera has at pixel p lies at p + ``offset``."""
+        """The picture at programme time ``t`` in seconds; what the camera has at pixel p lies at p + ``offset``."""
         shift = np.array([[1.0, 0, offset[0]], [0, 1.0, offset[1]], [0, 0, 1]])
-        picture = self._backdrop.seen(t, View(shift @ self._view.K, self._view.R, self._view.t))
+        picture = self._backdrop.picture_from(
+            t, PinholeCamera(shift @ self._pinhole.K, self._pinhole.R, self._pinhole.t)
+        )
         luma = cv2.multiply(picture.y, vignette(self._size, self._corner, offset), scale=1 / 255)
         return Picture(luma, picture.u, picture.v).planes()

@@ -1,8 +1,9 @@
-"""Clocks from what the cameras' microphones heard together.
+"""Clocks from audio: cross-correlation of what the cameras' microphones heard together.
 
-First coarse, by the loudness of three bands every 10 ms, over twenty minutes or all; then fine, by the
-phase of the waveform in short windows over the whole length, through which a line is laid: its height is the offset,
-its slope the drift. What is weak or ambiguous (a monitor's beep fits at every second) is refused, not guessed.
+First coarse, by the loudness of three bands every 10 ms, over twenty minutes or all; then fine, by generalised
+cross-correlation with phase transform (GCC-PHAT) in short windows over the whole length. A line is fitted to the lags
+of the windows: its level is the offset, its slope the drift. What is weak or ambiguous (a monitor's beep fits at every
+second) is refused, not guessed.
 """
 
 from __future__ import annotations
@@ -20,85 +21,102 @@ from mcsl_core.edl import Clock
 from mcsl_core.progress import Progress
 from mcsl_core.recording.footage import Footage
 
-from .clock_fit import MOST_DRIFT, Found, Refusal, length_s, robust_line
+from .clock_fit import MAX_DRIFT, ClockResults, Refusal, length_s, robust_line
 
-Floats = NDArray[np.float64]
+Array = NDArray[np.float64]
 
 RATE = 8000  # samples per second: speech and instruments, a sixth of the work of 48 kHz
 HOP = 80  # samples: 10 ms of loudness
 BANDS_HZ = ((150, 700), (700, 1800), (1800, 3600))
-FIRST_LOOK_S = 1200.0
-WINDOW_S = 40.0  # coarse
-FINE_S = 8.0
-CLEAR_PEAK = 7.0  # in deviations: the highest of a million random values is 5
-LEAST_LEAD = 1.25  # the best explanation must beat the next by this
+COARSE_SPAN_S = 1200.0  # the coarse lag is searched in so much first, then in all
+COARSE_WINDOW_S = 40.0
+FINE_WINDOW_S = 8.0
+CLEAR_PEAK = 7.0  # in standard deviations: the highest of a million random values is 5
+LEAST_LEAD = 1.25  # the best lag's support over that of the next-best
 
 
-def find(footage: Footage, reference: str, wanted: Sequence[str], progress: Progress) -> Found:
-    """The clocks of the cameras ``wanted`` against ``reference``, each found by its sound or refused."""
-    listener = _Listener(footage)
+def clocks_from_audio(footage: Footage, reference: str, wanted: Sequence[str], progress: Progress) -> ClockResults:
+    """The clocks of the cameras ``wanted`` against ``reference``, each found by its audio or refused.
+
+    Parameters
+    ----------
+    footage
+        The cameras with default clocks.
+    reference
+        The camera whose clock is the programme's.
+    wanted
+        The cameras to be found.
+    progress
+        Told of each camera.
+
+    Returns
+    -------
+    ClockResults
+        Camera -> its clock, or why there is none.
+    """
+    matcher = _AudioMatcher(footage)
     found: dict[str, Clock | Refusal] = {}
     progress.stage("Listening to the cameras", len(wanted), "cameras")
-    for number, camera in enumerate(wanted):
+    for done, camera in enumerate(wanted, 1):
         try:
-            found[camera] = listener.match(reference, camera)
+            found[camera] = matcher.match(reference, camera)
         except Refusal as refusal:
             found[camera] = refusal
-        progress.advance(number + 1)
+        progress.advance(done)
     return found
 
 
-class _Listener:
-    """The cameras' sounds, each on its own clock; loudness is worked out once."""
+class _AudioMatcher:
+    """The cameras' audio, each on its own clock; loudness is worked out once."""
 
     def __init__(self, footage: Footage) -> None:
         self._footage = footage
-        self._loudness: dict[tuple[str, float], Floats] = {}
+        self._loudness: dict[tuple[str, float], Array] = {}
         self._windows: dict[tuple[str, float], NDArray[np.float32]] = {}
 
-    def hears(self, camera: str) -> bool:
+    def has_audio(self, camera: str) -> bool:
         return any(part.facts.has_audio for part in self._footage.parts(camera))
 
     def length_s(self, camera: str) -> float:
         return length_s(self._footage, camera)
 
-    def loudness(self, camera: str, limit_s: float) -> Floats:
-        """(3, n) of the first ``limit_s`` seconds, see `loudness_of`."""
+    def loudness(self, camera: str, limit_s: float) -> Array:
+        """(3, n): `band_loudness` of the first ``limit_s`` seconds."""
         key = (camera, min(limit_s, self.length_s(camera)))
         if key not in self._loudness:
-            self._loudness[key] = loudness_of(self._footage.audio_blocks(camera, 0.0, key[1], RATE))
+            self._loudness[key] = band_loudness(self._footage.audio_blocks(camera, 0.0, key[1], RATE))
         return self._loudness[key]
 
     def match(self, reference: str, camera: str) -> Clock:
         """The clock of ``camera`` against ``reference``; Refusal where it is not certain."""
         for name in (reference, camera):
-            if not self.hears(name):
+            if not self.has_audio(name):
                 raise Refusal(f"{name} has no sound")
         longest = max(self.length_s(reference), self.length_s(camera))
         try:
-            lag, lead = coarse_lag(self.loudness(reference, FIRST_LOOK_S), self.loudness(camera, FIRST_LOOK_S))
+            lag, lead = coarse_lag(self.loudness(reference, COARSE_SPAN_S), self.loudness(camera, COARSE_SPAN_S))
         except Refusal:
-            if longest <= FIRST_LOOK_S:
+            if longest <= COARSE_SPAN_S:
                 raise
             lag, lead = coarse_lag(self.loudness(reference, longest), self.loudness(camera, longest))
-        clock, agreeing = self._refine(reference, camera, Clock(offset_s=lag))
-        confidence = min(1.0, agreeing * min(1.0, lead / 2))
+        clock, share = self._refine(reference, camera, Clock(offset_s=lag))
+        confidence = min(1.0, share * min(1.0, lead / 2))
         return attrs.evolve(clock, method="audio", confidence=round(confidence, 3))
 
     def _refine(self, reference: str, camera: str, clock: Clock) -> tuple[Clock, float]:
-        """(clock, share of the windows that agree): the line through the windows' lags, three times over.
+        """(clock, share of the windows that agree): a line fitted to the windows' lags, three times over.
 
-        Each time the sound is read through the clock found before, so that in the end nothing is smeared by drift. The
-        first search is as wide as drift may have led astray, the last 20 ms.
+        Each time the audio is read through the clock found before, so that in the end drift smears no window. The first
+        search is as wide as drift may have led astray, the last 20 ms.
         """
         overlap_start = max(0.0, clock.offset_s)
         overlap_stop = min(self.length_s(reference), clock.offset_s + self.length_s(camera))
         span = overlap_stop - overlap_start
-        if span < 3 * FINE_S:
+        if span < 3 * FINE_WINDOW_S:
             raise Refusal(f"they have only {max(0.0, span):.0f} s of sound in common")
-        count = int(np.clip(span / FINE_S / 1.5, 3, 20))
-        starts = np.linspace(overlap_start, overlap_stop - FINE_S, count)
-        middle = (overlap_start + min(overlap_stop, overlap_start + FIRST_LOOK_S)) / 2
+        count = int(np.clip(span / FINE_WINDOW_S / 1.5, 3, 20))
+        starts = np.linspace(overlap_start, overlap_stop - FINE_WINDOW_S, count)
+        middle = (overlap_start + min(overlap_stop, overlap_start + COARSE_SPAN_S)) / 2
         share = 0.0
         for reach_s in (0.1, 0.05, 0.02):
             through = attrs.evolve(self._footage.camera(camera), clock=clock)
@@ -106,14 +124,14 @@ class _Listener:
             both = Footage(pair, rate=Fraction(1), frames=1, base=self._footage.base)
             found: list[tuple[float, float]] = []
             heard = 0
-            # From where the coarse lag was found outward: each window starts from the line through those before it.
+            # From where the coarse lag was found outward: each window is searched about the lags found before it.
             for start in sorted(starts, key=lambda s: abs(s - middle)):
-                expected = _along(found, start) if reach_s == 0.1 else 0.0
+                expected = _expected_lag(found, start) if reach_s == 0.1 else 0.0
                 lag = self._window_lag(both, reference, camera, float(start), expected, reach_s)
                 if lag is not None:
                     heard += 1
                     if not np.isnan(lag):
-                        found.append((float(start) + FINE_S / 2, lag))
+                        found.append((float(start) + FINE_WINDOW_S / 2, lag))
             if heard == 0:
                 raise Refusal("they are silent where they overlap")
             level, slope, share = robust_line(found, heard, 2e-3)
@@ -129,29 +147,40 @@ class _Listener:
         """Seconds by which ``camera`` is late at programme time ``start``; NaN if unclear, None without sound."""
         a = self._windows.get((reference, start))
         if a is None:
-            a = self._windows[reference, start] = both.audio(reference, start, start + FINE_S, RATE)
-        b = both.audio(camera, start + expected, start + expected + FINE_S, RATE)
+            a = self._windows[reference, start] = both.audio(reference, start, start + FINE_WINDOW_S, RATE)
+        b = both.audio(camera, start + expected, start + expected + FINE_WINDOW_S, RATE)
         if min(a.std(), b.std()) < 1e-5:
             return None
-        lag, height = phase_lag(a, b, reach_s)
+        lag, height = gcc_phat_lag(a, b, reach_s)
         return expected + lag if height >= CLEAR_PEAK else float("nan")
 
 
-def _along(found: Sequence[tuple[float, float]], start: float) -> float:
-    """The lag to expect at ``start`` from the lags found so far."""
+def _expected_lag(found: Sequence[tuple[float, float]], start: float) -> float:
+    """The lag to expect in the window at ``start``: the median of the three nearest found so far."""
     if not found:
         return 0.0
-    at = start + FINE_S / 2
+    at = start + FINE_WINDOW_S / 2
     nearest = sorted(found, key=lambda f: abs(f[0] - at))[:3]
     return float(np.median([lag for _, lag in nearest]))
 
 
-def loudness_of(blocks: Iterable[NDArray]) -> Floats:
-    """(3, n): log energy of three bands every 10 ms, less its mean over two seconds; 0 where there is no sound."""
+def band_loudness(blocks: Iterable[NDArray]) -> Array:
+    """Log energy of three bands every 10 ms, less its moving average over two seconds.
+
+    Parameters
+    ----------
+    blocks
+        Consecutive (n,) blocks of audio at `RATE`.
+
+    Returns
+    -------
+    Array
+        (3, n), natural logarithms clipped to -3..3; 0 where there is no sound.
+    """
     filters: list[Any] = [signal.butter(4, band, "bandpass", fs=RATE, output="sos") for band in BANDS_HZ]
     states = [np.zeros((len(sos), 2)) for sos in filters]
-    rows: list[Floats] = []
-    left: Floats = np.zeros(0)
+    rows: list[Array] = []
+    left: Array = np.zeros(0)
     for block in blocks:
         joined = np.concatenate([left, np.asarray(block, np.float64)])
         whole = len(joined) // HOP * HOP
@@ -171,14 +200,30 @@ def loudness_of(blocks: Iterable[NDArray]) -> Floats:
     return np.clip(level - smooth, -3, 3)
 
 
-def coarse_lag(reference: Floats, other: Floats) -> tuple[float, float]:
-    """(programme time in s at which ``other`` begins, lead over the next-best answer) from two loudness tracks.
+def coarse_lag(reference: Array, other: Array) -> tuple[float, float]:
+    """The lag between two loudness tracks, by voting.
 
-    Windows of ``reference`` are looked up in all of ``other``; each offers its five best places. The answer is what
-    most of them agree on within 0.1 s, allowing for drift. Refusal where that is too little or nearly as much agree
-    on something else.
+    Parameters
+    ----------
+    reference, other
+        (3, n), as `band_loudness` makes them.
+
+    Returns
+    -------
+    lag_s, lead
+        Programme time at which ``other`` begins, and its support over that of the next-best lag.
+
+    Raises
+    ------
+    Refusal
+        Where the support is too small, or nearly as much supports another lag.
+
+    Notes
+    -----
+    Windows of ``reference`` are cross-correlated with all of ``other``; each has its five best lags as candidates. The
+    answer is the lag that most of them agree on within 0.1 s, allowing for drift.
     """
-    size = int(WINDOW_S * RATE / HOP)
+    size = int(COARSE_WINDOW_S * RATE / HOP)
     length = reference.shape[1]
     size = min(size, max(300, length // 3))
     if min(length, other.shape[1]) < 300:
@@ -188,48 +233,48 @@ def coarse_lag(reference: Floats, other: Floats) -> tuple[float, float]:
     starts = np.unique(
         np.linspace(0, max(0, length - size), min(24, 1 + 2 * max(0, length - size) // size)).astype(int)
     )
-    offers: list[tuple[float, float, float]] = []  # window's middle in s, lag in s, height in deviations
+    candidates: list[tuple[float, float, float]] = []  # window's middle in s, lag in s, height in deviations
     hop_s = HOP / RATE
     for start in starts:
         window = reference[:, start : start + size]
         if window.std() < 1e-3:
             continue
-        for lag, height in _places(window, other):
-            offers.append(((start + size / 2) * hop_s, (start - lag) * hop_s, height))
-    if not offers:
+        for lag, height in _candidate_lags(window, other):
+            candidates.append(((start + size / 2) * hop_s, (start - lag) * hop_s, height))
+    if not candidates:
         raise Refusal("one of them is silent")
-    table = np.array(offers)
+    table = np.array(candidates)
     scores = np.array([_support(table, row) for row in table])
     best = int(scores.argmax())
     if scores[best] < CLEAR_PEAK:
         raise Refusal("nothing in their sound fits together")
-    rivals = scores[np.abs(table[:, 1] - table[best, 1]) > 0.3 + MOST_DRIFT * length * hop_s]
+    rivals = scores[np.abs(table[:, 1] - table[best, 1]) > 0.3 + MAX_DRIFT * length * hop_s]
     lead = float(scores[best] / rivals.max()) if len(rivals) and rivals.max() > 0 else 10.0
     if lead < LEAST_LEAD:
         raise Refusal("their sound fits together in several ways")
     return float(table[best, 1]), lead
 
 
-def _places(window: Floats, other: Floats) -> list[tuple[int, float]]:
-    """The five best places (index into ``other`` where the window begins, may be negative) and their heights."""
+def _candidate_lags(window: Array, other: Array) -> list[tuple[int, float]]:
+    """The five best (index into ``other`` where the window begins, may be negative; peak in standard deviations)."""
     total = sum(signal.correlate(o, w, "full", method="fft") for w, o in zip(window, other, strict=True))
     size = window.shape[1]
     power = np.convolve((other**2).sum(axis=0), np.ones(size), "full")
-    # A place where little of the window overlaps must not win by chance.
-    like = total / np.sqrt(np.maximum(power, 0.25 * power.max()) * (window**2).sum() + 1e-9)
-    spread = 1.4826 * float(np.median(np.abs(like - np.median(like)))) + 1e-9
+    # A lag at which little of the window overlaps must not win by chance.
+    correlation = total / np.sqrt(np.maximum(power, 0.25 * power.max()) * (window**2).sum() + 1e-9)
+    spread = 1.4826 * float(np.median(np.abs(correlation - np.median(correlation)))) + 1e-9
     found = []
-    like = like - np.median(like)
+    correlation = correlation - np.median(correlation)
     for _ in range(5):
-        at = int(like.argmax())
-        found.append((at - size + 1, float(like[at] / spread)))
-        like[max(0, at - 25) : at + 26] = -np.inf
+        at = int(correlation.argmax())
+        found.append((at - size + 1, float(correlation[at] / spread)))
+        correlation[max(0, at - 25) : at + 26] = -np.inf
     return found
 
 
-def _support(table: Floats, row: Floats) -> float:
+def _support(table: Array, row: Array) -> float:
     """How much all windows together speak for ``row``'s lag: the root of the summed squares of one vote a window."""
-    allowed = 0.1 + MOST_DRIFT * np.abs(table[:, 0] - row[0])
+    allowed = 0.1 + MAX_DRIFT * np.abs(table[:, 0] - row[0])
     near = np.abs(table[:, 1] - row[1]) <= allowed
     votes = {}
     for middle, _, height in table[near & (table[:, 2] > 3.5)]:
@@ -237,11 +282,28 @@ def _support(table: Floats, row: Floats) -> float:
     return float(np.sqrt(sum(v * v for v in votes.values())))
 
 
-def phase_lag(reference: NDArray, other: NDArray, reach_s: float) -> tuple[float, float]:
-    """(seconds by which ``other`` is late, height of that peak in deviations), from equally long sounds at 8 kHz.
+def gcc_phat_lag(reference: NDArray, other: NDArray, reach_s: float) -> tuple[float, float]:
+    """The lag of two waveforms by generalised cross-correlation with phase transform.
 
-    Generalised cross-correlation with phase transform: every frequency of speech has one vote, so a loud hum cannot
-    decide. Between samples by a parabola.
+    Parameters
+    ----------
+    reference, other
+        (n,) of equal length, at `RATE`.
+    reach_s
+        The largest lag that is searched.
+
+    Returns
+    -------
+    lag_s, height
+        Seconds by which ``other`` is late, between samples by a parabola; height of that peak in standard deviations.
+
+    Notes
+    -----
+    Every frequency of speech has one vote, so a loud hum cannot decide.
+
+    References
+    ----------
+    Knapp and Carter, "The generalized correlation method for estimation of time delay", IEEE Trans. ASSP 24, 1976.
     """
     size = 2 * len(reference)
     taper = np.hanning(len(reference))

@@ -1,7 +1,7 @@
 """Bringing the cameras' clocks onto the reference camera's.
 
 A camera's own time is (t - offset_s) * (1 + drift_ppm * 1e-6) at programme time t, which is the reference camera's
-own time. Three ways, the surest first: `timecode`, `audio`, `motion`. What is weak or ambiguous is refused with its
+own time. Three methods, the surest first: `timecode`, `audio`, `motion`. What is weak or ambiguous is refused with its
 reason, not guessed: then the camera is taken to start with the reference, and its clock says method none.
 """
 
@@ -17,13 +17,19 @@ from mcsl_core.edl import Camera, Clock
 from mcsl_core.errors import UsageError
 from mcsl_core.progress import Progress, Silent
 from mcsl_core.recording.footage import Footage
-from mcsl_core.sync import audio, motion, timecode
 
-from .clock_fit import Finder, Refusal, length_s
+from .audio import clocks_from_audio
+from .clock_fit import ClockFinder, Refusal, length_s
+from .motion import clocks_from_motion
+from .timecode import clocks_from_timecode
 
 __all__ = ["METHODS", "synchronise"]
 
-_FINDERS: Mapping[str, Finder] = {"timecode": timecode.find, "audio": audio.find, "motion": motion.find}
+_FINDERS: Mapping[str, ClockFinder] = {
+    "timecode": clocks_from_timecode,
+    "audio": clocks_from_audio,
+    "motion": clocks_from_motion,
+}
 METHODS: Mapping[str, tuple[str, ...]] = {
     "auto": tuple(_FINDERS),
     **{name: (name,) for name in _FINDERS},
@@ -39,12 +45,38 @@ def synchronise(
     *,
     reference: str | None = None,
 ) -> tuple[Clock, ...]:
-    """A clock for each camera, in their order; the ``reference`` camera's (the first by default) is the programme's.
+    """A clock for each camera against the reference camera's.
 
-    method: "timecode", "audio", "motion", "none" (all start together), or "auto": for each camera the first of these
-    that is sure. A camera that none settles gets method "none" with confidence 0, and ``progress`` is told why; so it
-    is where a camera's sound contradicts its timecode. The reference's clock names the surest method by which any
-    camera was tied to it. base: the folder that media paths are relative to. UsageError for another method.
+    Parameters
+    ----------
+    method
+        "timecode", "audio", "motion", "none" (all start together), or "auto": for each camera the first of these that
+        is sure.
+    cameras
+        Their clocks are not read.
+    base
+        The folder that media paths are relative to.
+    progress
+        Told of the stages, of each camera that no method settles, and where a camera's audio contradicts its timecode.
+    reference
+        The camera whose clock is the programme's; the first by default.
+
+    Returns
+    -------
+    tuple of Clock
+        In the cameras' order. A camera that no method settles has method "none" and confidence 0. The reference's clock
+        names the surest method by which any camera was tied to it.
+
+    Raises
+    ------
+    UsageError
+        For another method.
+
+    Examples
+    --------
+    >>> clocks = synchronise("audio", cameras, Path("recording"))  # doctest: +SKIP
+    >>> clocks[1].offset_s, clocks[1].confidence  # doctest: +SKIP
+    (0.213, 0.93)
     """
     progress = progress or Silent()
     if method not in METHODS:
@@ -56,20 +88,20 @@ def synchronise(
     footage = Footage(plain, rate=Fraction(1), frames=1, base=Path(base))
     clocks: dict[str, Clock] = {}
     reasons: dict[str, list[str]] = {c.name: [] for c in plain if c.name != reference}
-    for way in METHODS[method]:
+    for used_method in METHODS[method]:
         wanted = [name for name in reasons if name not in clocks]
         if not wanted:
             break
-        for name, answer in _FINDERS[way](footage, reference, wanted, progress).items():
-            if isinstance(answer, Refusal):
-                reasons[name].append(f"{way}: {answer}")
+        for name, result in _FINDERS[used_method](footage, reference, wanted, progress).items():
+            if isinstance(result, Refusal):
+                reasons[name].append(f"{used_method}: {result}")
             else:
-                clocks[name] = answer
+                clocks[name] = result
     for name, why in reasons.items():
         if name not in clocks and why:
             progress.note(f"{name} is taken to start with {reference} ({'; '.join(why)})")
     clocks |= _checked({n: c for n, c in clocks.items() if c.method == "timecode"}, footage, reference, progress)
-    used = [way for way in _FINDERS if any(c.method == way for c in clocks.values())]
+    used = [name for name in _FINDERS if any(c.method == name for c in clocks.values())]
     clocks[reference] = Clock(method=used[0], confidence=1.0) if used else Clock()
     return tuple(clocks.get(camera.name, Clock()) for camera in cameras)
 
@@ -77,11 +109,11 @@ def synchronise(
 def _checked(
     by_timecode: Mapping[str, Clock], footage: Footage, reference: str, progress: Progress
 ) -> dict[str, Clock]:
-    """The clocks found by timecode, weighed against the sound: what it contradicts keeps half of its confidence."""
+    """The clocks found by timecode, checked against the audio: what it contradicts keeps half of its confidence."""
     if not by_timecode:
         return {}
     checked = dict(by_timecode)
-    for name, heard in audio.find(footage, reference, list(by_timecode), progress).items():
+    for name, heard in clocks_from_audio(footage, reference, list(by_timecode), progress).items():
         if isinstance(heard, Refusal):
             continue
         clock = by_timecode[name]

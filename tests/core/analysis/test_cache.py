@@ -19,7 +19,7 @@ from mcsl_core.hooks.stages import STAGES
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import Scenario, simulate
 
-LOOKING = "Looking through the recording"
+SAMPLING = "Sampling the recording"
 
 
 class Stages(Silent):
@@ -54,14 +54,14 @@ def analyse(recording: Path, out: Path, *, cache: bool = True, offered=None, **s
 def test_a_changed_selector_looks_at_nothing_again(recording: Path, tmp_path: Path) -> None:
     out = tmp_path / "edl.json"
     first = analyse(recording, out)
-    assert LOOKING in first
+    assert SAMPLING in first
     before = out.read_bytes()
     again = analyse(recording, out)
-    assert LOOKING not in again
+    assert SAMPLING not in again
     assert "Aligning the views" not in again
     assert out.read_bytes() == before, "what comes from the cache is what was made"
     greedy = analyse(recording, out, selector="least-occluded")
-    assert LOOKING not in greedy
+    assert SAMPLING not in greedy
     assert "Scoring the views" not in greedy
     made = edl.load(out).made_by
     assert made is not None
@@ -74,7 +74,7 @@ def test_a_changed_detector_scores_again_but_decodes_nothing(recording: Path, tm
     others = [o.name for o in plugins.discover().offers if o.stage == "occlusion"]
     stages = analyse(recording, out, occlusion=next(n for n in others if n != STAGES["occlusion"].default))
     assert "Scoring the views" in stages
-    assert LOOKING not in stages
+    assert SAMPLING not in stages
     assert "Aligning the views" not in stages
 
 
@@ -84,17 +84,17 @@ def test_changed_media_are_looked_at(recording: Path, tmp_path: Path) -> None:
     out = tmp_path / "edl.json"
     analyse(own, out)
     shutil.copy(own / "cam2.mp4", own / "cam3.mp4")
-    assert LOOKING in analyse(own, out)
+    assert SAMPLING in analyse(own, out)
 
 
 def test_without_the_cache_nothing_is_kept_or_used(recording: Path, tmp_path: Path) -> None:
     out = tmp_path / "edl.json"
-    assert LOOKING in analyse(recording, out, cache=False)
+    assert SAMPLING in analyse(recording, out, cache=False)
     assert not cache_folder(out).exists()
     kept = out.read_bytes()
     analyse(recording, out)
     assert out.read_bytes() == kept
-    assert LOOKING in analyse(recording, out, cache=False)
+    assert SAMPLING in analyse(recording, out, cache=False)
 
 
 def test_what_cannot_be_read_is_made_again_and_said_so(recording: Path, tmp_path: Path) -> None:
@@ -104,7 +104,7 @@ def test_what_cannot_be_read_is_made_again_and_said_so(recording: Path, tmp_path
     for path in cache_folder(out).iterdir():
         path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     said = analyse(recording, out)
-    assert LOOKING in said
+    assert SAMPLING in said
     assert any("cannot be used" in text for text in said)
     assert out.read_bytes() == before
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from mcsl_core.movement.paper import (
+    Correspondences,
     DegreeOfMisalignment,
-    Shared,
-    corresponding,
     degree_of_misalignment,
-    elected,
+    first_exceedance,
+    homography_inliers,
+    median_vote,
     moving_average,
-    rise,
     threshold,
     without_outliers,
 )
@@ -34,15 +34,15 @@ def moved(h: np.ndarray, x: float, y: float) -> tuple[float, float]:
 def test_dom_is_the_mean_projection_error_over_all_ordered_pairs() -> None:
     rng = np.random.default_rng(0)
     to_reference = {"a": np.eye(3), "b": homography(1), "c": homography(2)}
-    shared, moments = {}, 4
+    shared, samples = {}, 4
     for a, b in (("a", "b"), ("a", "c"), ("b", "c")):
-        moment = np.sort(rng.choice([0, 1, 3], 30))  # nothing is shared at sample 2
-        shared[a, b] = Shared(moment, rng.uniform(0, 900, (30, 2)), rng.uniform(0, 500, (30, 2)))
-    dom = degree_of_misalignment(shared, to_reference, moments)
+        sample = np.sort(rng.choice([0, 1, 3], 30))  # nothing is shared at sample 2
+        shared[a, b] = Correspondences(sample, rng.uniform(0, 900, (30, 2)), rng.uniform(0, 500, (30, 2)))
+    dom = degree_of_misalignment(shared, to_reference, samples)
     for t in (0, 1, 3):
         errors = []
         for (a, b), points in shared.items():
-            for i in np.flatnonzero(points.moment == t):
+            for i in np.flatnonzero(points.sample == t):
                 for source, target, p, q in ((a, b, points.a[i], points.b[i]), (b, a, points.b[i], points.a[i])):
                     x, y = moved(np.linalg.inv(to_reference[target]) @ to_reference[source], *p)
                     errors.append(((x - q[0]) ** 2 + (y - q[1]) ** 2) ** 0.5)
@@ -55,8 +55,8 @@ def test_dom_is_zero_where_all_lies_as_calibrated_and_leaves_out_cameras_without
     points = np.random.default_rng(1).uniform(0, 400, (20, 2))
     there = np.array([moved(h, *p) for p in points])
     shared = {
-        ("a", "b"): Shared(np.zeros(20, np.int64), there, points),
-        ("a", "c"): Shared(np.zeros(20, np.int64), there, points + 100),
+        ("a", "b"): Correspondences(np.zeros(20, np.int64), there, points),
+        ("a", "c"): Correspondences(np.zeros(20, np.int64), there, points + 100),
     }
     assert degree_of_misalignment(shared, {"a": np.eye(3), "b": h}, 1)[0] == pytest.approx(0, abs=1e-6)
 
@@ -100,31 +100,31 @@ def test_a_segment_votes_for_the_frame_from_which_four_exceed_within_m() -> None
     frames = np.arange(0, 1000, 10)
     above = np.zeros(100, bool)
     above[[5, 20, 21, 60, 61, 63, 64]] = True  # two lone ones, then four within 75 frames
-    assert rise(frames, above, within=75, least=4) == 600
-    assert rise(frames, above, within=40, least=4) is None
-    assert rise(frames, above & False, within=75, least=4) is None
+    assert first_exceedance(frames, above, within=75, least=4) == 600
+    assert first_exceedance(frames, above, within=40, least=4) is None
+    assert first_exceedance(frames, above & False, within=75, least=4) is None
 
 
 def test_the_median_of_the_votes_within_m_is_elected() -> None:
-    assert elected([900, 100, 110, 105], within=75) == 105
-    assert elected([300], within=75) == 300
-    assert elected([], within=75) is None
+    assert median_vote([900, 100, 110, 105], within=75) == 105
+    assert median_vote([300], within=75) == 300
+    assert median_vote([], within=75) is None
 
 
 def test_matches_by_chance_correspond_to_nothing() -> None:
     rng = np.random.default_rng(5)
     a = rng.uniform(0, 640, (60, 2))
-    assert corresponding(a, rng.uniform(0, 640, (60, 2)), 6.0).sum() <= 12
+    assert homography_inliers(a, rng.uniform(0, 640, (60, 2)), 6.0).sum() <= 12
     there = np.array([moved(homography(4), *p) for p in a])
     there[40:] = rng.uniform(0, 640, (20, 2))
-    agree = corresponding(a, there, 6.0)
+    agree = homography_inliers(a, there, 6.0)
     assert agree[:40].all()
     assert agree[40:].mean() < 0.3
-    assert not corresponding(a[:5], there[:5], 6.0).any()
+    assert not homography_inliers(a[:5], there[:5], 6.0).any()
 
 
 def searched(dom: np.ndarray, begin: int = 0) -> int | None:
-    return DegreeOfMisalignment()._searched(dom, np.arange(len(dom), dtype=np.int64), begin, 1.0)[2]
+    return DegreeOfMisalignment()._search_segments(dom, np.arange(len(dom), dtype=np.int64), begin, 1.0)[2]
 
 
 def series(length: int, *steps: tuple[int, float], seed: int = 0) -> np.ndarray:
@@ -163,5 +163,5 @@ def test_the_lamp_stands_again_where_dom_against_the_next_calibration_has_settle
     dom = series(200)
     dom[:80] += 60
     used = np.arange(120, 124)
-    assert DegreeOfMisalignment()._settled(dom, 60, used) == pytest.approx(80, abs=3)
-    assert DegreeOfMisalignment()._settled(series(200), 119, used) == 120
+    assert DegreeOfMisalignment()._end_of_movement(dom, 60, used) == pytest.approx(80, abs=3)
+    assert DegreeOfMisalignment()._end_of_movement(series(200), 119, used) == 120

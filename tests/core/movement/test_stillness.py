@@ -10,9 +10,9 @@ import pytest
 from scipy.ndimage import affine_transform
 
 from mcsl_core.edl import Movement
-from mcsl_core.movement.displacement import Shift, Standing, texture
+from mcsl_core.movement.displacement import Displacement, Template, texture
 from mcsl_core.movement.onset import onset
-from mcsl_core.movement.stillness import IN_PLACE_PX, Stillness, _apart, stillness
+from mcsl_core.movement.stillness import IN_PLACE_PX, Stillness, _merged, stillness
 from mcsl_core.timing import FrameRange
 
 
@@ -38,17 +38,17 @@ def noisy(picture: np.ndarray, seed: int) -> np.ndarray:
     return (picture + np.random.default_rng(seed).normal(0, 1.5, picture.shape)).round().clip(0, 255).astype(np.uint8)
 
 
-def shift_of(before: np.ndarray, after: np.ndarray) -> Shift:
-    shift = Standing.of([texture(noisy(before, 1))]).shift(texture(noisy(after, 2)))
-    assert shift is not None
-    return shift
+def displacement_of(before: np.ndarray, after: np.ndarray) -> Displacement:
+    displacement = Template.of([texture(noisy(before, 1))]).displacement(texture(noisy(after, 2)))
+    assert displacement is not None
+    return displacement
 
 
 def share(before: np.ndarray, after: np.ndarray) -> float:
-    return shift_of(before, after).share(IN_PLACE_PX)
+    return displacement_of(before, after).share(IN_PLACE_PX)
 
 
-def test_a_still_view_is_in_place_whatever_the_light_does() -> None:
+def test_a_still_picture_is_in_place_whatever_the_light_does() -> None:
     picture = cloth()
     assert share(picture, picture) > 0.95
     assert share(picture, (picture * 0.7 + 10).astype(np.uint8)) > 0.9
@@ -57,7 +57,7 @@ def test_a_still_view_is_in_place_whatever_the_light_does() -> None:
 
 
 @pytest.mark.parametrize("moved_px", [1, 4, 9, 40])
-def test_a_view_that_moved_is_not_in_place(moved_px: int) -> None:
+def test_a_picture_that_moved_is_not_in_place(moved_px: int) -> None:
     assert share(cloth(), displaced(cloth(), [[1, 0, moved_px], [0, 1, moved_px / 2]])) < 0.05
 
 
@@ -71,16 +71,16 @@ def test_displacement_is_known_to_a_fraction_of_a_pixel(size: tuple[int, int], d
     # Displacements are told in pixels of a picture of 360 rows.
     scale = size[1] / 360
     moved = displaced(cloth(size=size), [[1, 0, dx * scale], [0, 1, dy * scale]])
-    common = shift_of(cloth(size=size), moved).common()
+    common = displacement_of(cloth(size=size), moved).common()
     # One linear step falls short by up to a tenth; 0.02 px is what noise leaves of some hundred patches.
     assert common is not None
     np.testing.assert_allclose(common, [dx, dy, 0, 0], atol=0.02 + 0.12 * math.hypot(dx, dy))
 
 
-def test_a_turn_and_a_zoom_are_told_from_a_displacement_and_as_large_as_they_look() -> None:
+def test_a_turn_and_a_zoom_are_told_from_a_displacement_and_as_large_as_they_appear() -> None:
     turn_deg, zoom = 0.1, 1.002
     warp = cv2.getRotationMatrix2D((319.5, 179.5), turn_deg, zoom)
-    common = shift_of(cloth(), displaced(cloth(), warp)).common()
+    common = displacement_of(cloth(), displaced(cloth(), warp)).common()
     y, x = np.mgrid[:360, :640]
     points = np.stack([x.ravel(), y.ravel()], 1).astype(float)
     truth = math.sqrt((((points @ warp[:, :2].T + warp[:, 2]) - points) ** 2).sum(axis=1).mean())
@@ -89,17 +89,17 @@ def test_a_turn_and_a_zoom_are_told_from_a_displacement_and_as_large_as_they_loo
     assert np.linalg.norm(common[:2]) < 0.15 * truth
 
 
-def test_what_a_head_does_in_half_of_the_view_is_not_the_lamps_motion() -> None:
+def test_what_a_head_does_in_half_of_the_picture_is_not_the_lamps_motion() -> None:
     after = cloth()
     after[:, :290] = displaced(cloth(7), [[1, 0, 1.0], [0, 1, 1.0]])[:, :290]
     before = cloth()
     before[:, :290] = cloth(7)[:, :290]
-    common = shift_of(before, after).common()
+    common = displacement_of(before, after).common()
     assert common is not None
     np.testing.assert_allclose(common, 0, atol=0.1)
 
 
-def test_a_head_over_most_of_the_view_is_no_movement() -> None:
+def test_a_head_over_most_of_the_picture_is_no_movement() -> None:
     covered = cloth()
     cv2.circle(covered, (300, 180), 270, (140, 90, 40), -1)
     cv2.circle(covered, (300, 180), 90, (110, 80, 30), 25)
@@ -110,20 +110,20 @@ def test_blank_sheets_dark_pictures_and_frozen_streams_say_nothing() -> None:
     blank = np.full((360, 640, 3), 120, np.uint8)
     for before, after in ((blank, cloth()), (cloth(), blank), (cloth(), np.zeros_like(blank))):
         assert math.isnan(share(before, after))
-    assert Standing.of([texture(cloth())]).shift(texture(cloth())) is None
-    assert Standing.of([texture(cloth())]).shift(texture(cloth(size=(480, 360)))) is None
+    assert Template.of([texture(cloth())]).displacement(texture(cloth())) is None
+    assert Template.of([texture(cloth())]).displacement(texture(cloth(size=(480, 360)))) is None
     assert math.isnan(stillness([math.nan, math.nan]))
 
 
-def test_a_view_at_rest_is_a_median_without_what_passes() -> None:
-    views = []
+def test_a_template_at_rest_is_a_median_without_what_passes() -> None:
+    textures = []
     for i in range(5):
-        view = noisy(cloth(), i)
-        cv2.circle(view, (120 * i, 180), 60, (140, 90, 40), -1)
-        views.append(texture(view))
-    shift = Standing.of(views).shift(texture(noisy(cloth(), 9)))
-    assert shift is not None
-    assert shift.share(IN_PLACE_PX) > 0.9
+        picture = noisy(cloth(), i)
+        cv2.circle(picture, (120 * i, 180), 60, (140, 90, 40), -1)
+        textures.append(texture(picture))
+    displacement = Template.of(textures).displacement(texture(noisy(cloth(), 9)))
+    assert displacement is not None
+    assert displacement.share(IN_PLACE_PX) > 0.9
 
 
 def test_one_frozen_stream_does_not_hide_a_movement_and_three_heads_fake_none() -> None:
@@ -176,7 +176,7 @@ def test_a_start_is_found_within_half_a_second_however_the_lamp_is_pushed(profil
         assert onset(times[:seen], curve, noise=0.02) == pytest.approx(start, abs=0.5)
 
 
-def test_an_onset_lives_with_looks_that_are_missing() -> None:
+def test_an_onset_lives_with_frames_that_are_missing() -> None:
     times = np.arange(0, 6.0, 0.1)
     curve = 0.4 * np.maximum(times - 3, 0) ** 2
     curve[::3] = np.nan
@@ -191,5 +191,5 @@ def test_what_stays_at_rest_has_no_onset() -> None:
 
 def test_movements_that_overlap_after_timing_become_one() -> None:
     spans = [FrameRange(100, 160), FrameRange(150, 200), FrameRange(300, 310)]
-    joined = _apart([Movement(s, 0.5) for s in spans])
+    joined = _merged([Movement(s, 0.5) for s in spans])
     assert [m.range for m in joined] == [FrameRange(100, 200), FrameRange(300, 310)]

@@ -67,13 +67,13 @@ def test_a_drift_too_slow_for_one_second_is_found(tmp_path) -> None:
 
 
 @pytest.mark.slow
-def test_heads_over_most_of_every_view_are_no_movement(tmp_path) -> None:
+def test_heads_over_most_of_every_picture_are_no_movement(tmp_path) -> None:
     found, _ = detected(tmp_path, lambda t: 0.0, seconds=40, heads=0.48)
     assert not found.movements
 
 
 @pytest.mark.slow
-def test_a_shake_that_comes_back_between_two_looks_is_not_seen(tmp_path) -> None:
+def test_a_shake_that_comes_back_between_two_samples_is_not_seen(tmp_path) -> None:
     """Looks are a second apart: what is over before the next one leaves no trace. Told, not hidden."""
     found, _ = detected(tmp_path, lambda t: np.sin(40 * t) if 8.2 < t < 8.8 else 0.0, seconds=16, far_px=8)
     assert not found.movements
@@ -81,19 +81,19 @@ def test_a_shake_that_comes_back_between_two_looks_is_not_seen(tmp_path) -> None
 
 @pytest.mark.slow
 def test_one_frozen_camera_does_not_hide_a_movement(tmp_path) -> None:
-    found, rate = detected(tmp_path, eased(8, 2), seconds=18, frozen=[1])
+    found, rate = detected(tmp_path, eased(8, 2), seconds=18, frozen_cameras=[1])
     check(found, rate, [(8, 10)])
 
 
 @pytest.mark.slow
 def test_a_movement_while_one_camera_has_no_picture_is_found_once(tmp_path) -> None:
-    found, rate = detected(tmp_path, eased(8, 2), seconds=18, blind=[2])
+    found, rate = detected(tmp_path, eased(8, 2), seconds=18, blind_cameras=[2])
     check(found, rate, [(8, 10)])
 
 
 @pytest.mark.slow
 def test_a_movement_while_no_camera_has_a_picture_is_found(tmp_path) -> None:
-    found, rate = detected(tmp_path, eased(8, 2), seconds=18, blind=[0, 1, 2])
+    found, rate = detected(tmp_path, eased(8, 2), seconds=18, blind_cameras=[0, 1, 2])
     assert len(found.movements) == 1
     (movement,) = found.movements
     assert movement.range.start / rate < 10
@@ -101,7 +101,7 @@ def test_a_movement_while_no_camera_has_a_picture_is_found(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("seconds", [0.4, 1.2, 2.2])
-def test_recordings_of_few_looks_are_taken(tmp_path, seconds) -> None:
+def test_recordings_of_few_samples_are_taken(tmp_path, seconds) -> None:
     found, _ = detected(tmp_path, lambda t: 0.0, seconds=seconds)
     assert not found.movements
     assert len(found.curve.frames) == max(0, int(np.ceil(seconds)) - 1)

@@ -188,12 +188,12 @@ def test_samples_by_keyframes_and_by_sequence(tmp_path):
             number = read_number(picture)
             assert number % 15 == 0
             assert abs(number - s.frame) <= 8
-            assert number == s.at["s"]
+            assert number == s.shown_frames["s"]
             assert picture.shape == (72, 128, 3)
         if 60 <= s.frame < 360:
             # B-frames are left out, so the picture may be two or three old
             assert 0 <= s.frame - 60 - read_number(s.pictures["l"]) <= 3
-            assert s.at["l"] - 60 == read_number(s.pictures["l"])
+            assert s.shown_frames["l"] - 60 == read_number(s.pictures["l"])
         elif s.frame < 60:
             assert s.pictures["l"] is None
 

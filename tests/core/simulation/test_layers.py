@@ -11,29 +11,29 @@ from mcsl_core.simulation.ground import Ground
 from mcsl_core.simulation.layers import Overlay, Picture, layer_of
 from mcsl_core.simulation.rig import cross
 from mcsl_core.simulation.scenario import Scenario
-from mcsl_core.simulation.staging import Play
+from mcsl_core.simulation.scene import Scene
 from mcsl_core.simulation.surface import HALF_MM
 
 
 @pytest.fixture(scope="module")
-def scene() -> tuple[Play, Ground]:
-    play = Play.of(Scenario(seed=5, size=(640, 360), heads=0, hands=0, movements=1))
-    return play, Ground.of(play.scenario, play.surface, play.rig)
+def scene() -> tuple[Scene, Ground]:
+    simulated = Scene.of(Scenario(seed=5, size=(640, 360), heads=0, hands=0, movements=1))
+    return simulated, Ground.of(simulated.scenario, simulated.surface, simulated.rig)
 
 
 @pytest.mark.parametrize("camera", range(5))
 def test_each_pixel_shows_the_point_that_projects_to_it(scene, camera):
-    play, ground = scene
-    backdrop = Backdrop(play, ground, camera, np.ones(3))
-    for pose in play.path.poses:
-        view = play.rig.view(camera, pose)
-        map_x, map_y = backdrop._maps(view)
+    simulated, ground = scene
+    backdrop = Backdrop(simulated, ground, camera, np.ones(3))
+    for pose in simulated.path.poses:
+        pinhole = simulated.rig.pinhole(camera, pose)
+        map_x, map_y = backdrop._maps(pinhole)
         rng = np.random.default_rng(camera)
         x, y = rng.integers(2, 638, 500), rng.integers(2, 358, 500)
         plan = np.stack([map_x[y, x], map_y[y, x]], 1) * ground.pitch_mm - HALF_MM
         near = np.hypot(*plan.T) < 150
-        height = play.surface.height_at(plan[near, :1], plan[near, 1:])
-        px = view.project(np.concatenate([plan[near], height], 1))
+        height = simulated.surface.height_at(plan[near, :1], plan[near, 1:])
+        px = pinhole.project(np.concatenate([plan[near], height], 1))
         error = np.linalg.norm(px - np.stack([x, y], 1)[near], axis=1)
         # Rays are interpolated between every fourth pixel; the wound's walls are the worst.
         assert np.median(error) < 0.02
@@ -42,21 +42,21 @@ def test_each_pixel_shows_the_point_that_projects_to_it(scene, camera):
 
 def test_a_dot_on_the_field_is_seen_where_its_point_projects(scene):
     """Black dots painted on a white table are found again by their centroids."""
-    play, ground = scene
-    view = play.rig.view(2, play.path.poses[0])
-    backdrop = Backdrop(play, ground, 2, np.ones(3))
+    simulated, ground = scene
+    pinhole = simulated.rig.pinhole(2, simulated.path.poses[0])
+    backdrop = Backdrop(simulated, ground, 2, np.ones(3))
     table = np.full(ground.base.shape[:2], 255, np.uint8)
-    points = play.surface.field_points_mm[::7]
+    points = simulated.surface.field_points_mm[::7]
     for x, y, _ in points:
         at = tuple(round(float(v + HALF_MM) / ground.pitch_mm * 16) for v in (x, y))
         cv2.circle(table, at, int(2.0 / ground.pitch_mm * 16), 0, -1, cv2.LINE_AA, 4)
-    seen = 255.0 - cv2.remap(table, *backdrop._maps(view), cv2.INTER_LINEAR)
+    shown = 255.0 - cv2.remap(table, *backdrop._maps(pinhole), cv2.INTER_LINEAR)
     errors = []
-    for px in view.project(points):
+    for px in pinhole.project(points):
         x, y = np.rint(px).astype(int)
         if not (8 < x < 631 and 8 < y < 351):
             continue
-        window = seen[y - 6 : y + 7, x - 6 : x + 7]
+        window = shown[y - 6 : y + 7, x - 6 : x + 7]
         rows, columns = np.mgrid[-6:7, -6:7]
         centroid = np.array([(window * columns).sum(), (window * rows).sum()]) / window.sum() + (x, y)
         errors.append(np.linalg.norm(centroid - px))

@@ -13,7 +13,7 @@ import pytest
 from mcsl_core.errors import Cancelled, DocumentError
 from mcsl_core.imaging.masks import hue_mask
 from mcsl_core.imaging.planes import planes_to_bgr
-from mcsl_core.media.audio import read_sound
+from mcsl_core.media.audio import read_audio
 from mcsl_core.media.frames import to_planes
 from mcsl_core.media.probing import probe
 from mcsl_core.media.reading import VideoReader
@@ -37,7 +37,7 @@ def luma(file: Path) -> list[np.ndarray]:
 
 
 def sound(file: Path) -> np.ndarray:
-    blocks = [block.ravel() for _, block in read_sound(probe(file), Fraction(0), 48000)]
+    blocks = [block.ravel() for _, block in read_audio(probe(file), Fraction(0), 48000)]
     return np.concatenate(blocks)
 
 
@@ -248,8 +248,8 @@ def test_the_truth_comes_back(quiet):
         assert getattr(loaded, name) == getattr(truth, name), name
     assert loaded.best_plane_error_px == truth.best_plane_error_px
     assert [p.range for p in loaded.poses] == [p.range for p in truth.poses]
-    view = loaded.poses[1].view(2)
-    assert np.allclose(view.project(loaded.field_points_mm), truth.poses[1].field_points_px[2])
+    pinhole = loaded.poses[1].pinhole(2)
+    assert np.allclose(pinhole.project(loaded.field_points_mm), truth.poses[1].field_points_px[2])
     assert np.array_equal(loaded.visible_field, truth.visible_field)
     assert load_truth(out).frames == truth.frames
 

@@ -9,7 +9,7 @@ from mcsl_core.simulation import Scenario
 from mcsl_core.simulation.clocks import clocks
 from mcsl_core.simulation.ground import Ground
 from mcsl_core.simulation.render import CameraPictures
-from mcsl_core.simulation.staging import Play
+from mcsl_core.simulation.scene import Scene
 from mcsl_core.simulation.unoccluded import UnoccludedScene
 
 pytestmark = pytest.mark.slow  # two scenes are painted
@@ -23,8 +23,8 @@ def scene():
 
 def test_it_is_what_the_reference_camera_films_in_an_empty_room(scene):
     quiet = attrs.evolve(SCENARIO, heads=0, hands=0)
-    play = Play.of(quiet)
-    pictures = CameraPictures(play, Ground.of(quiet, play.surface, play.rig), 0, clocks(quiet)[0])
+    simulated = Scene.of(quiet)
+    pictures = CameraPictures(simulated, Ground.of(quiet, simulated.surface, simulated.rig), 0, clocks(quiet)[0])
     rate = float(SCENARIO.rate)
     filmed = pictures.frame(60)[0]
     # COARSE grids of rays are the same; the field's states are cut out of one map or laid in it first: a code or two.

@@ -12,7 +12,7 @@ from sync_sound import RATE, Notes, heard, room
 
 from mcsl_core.edl import Camera, Media
 from mcsl_core.errors import UsageError
-from mcsl_core.sync.audio import coarse_lag, loudness_of
+from mcsl_core.sync.audio import band_loudness, coarse_lag
 from mcsl_core.sync.clock_fit import Refusal, robust_line
 from mcsl_core.sync.synchronise import synchronise
 
@@ -83,7 +83,7 @@ def test_a_beep_that_fits_every_second_is_refused(tmp_path):
 def loudness(sound, seed, noise=0.01):
     """The loudness track of a 16 kHz sound as a camera of its own noise hears it."""
     rng = np.random.default_rng(seed)
-    return loudness_of([signal.resample_poly(sound, 1, 2) + rng.normal(0, noise, len(sound) // 2)])
+    return band_loudness([signal.resample_poly(sound, 1, 2) + rng.normal(0, noise, len(sound) // 2)])
 
 
 @settings(max_examples=4)

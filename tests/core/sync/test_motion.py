@@ -15,7 +15,8 @@ from mcsl_core.errors import Cancelled
 from mcsl_core.media.writing import VideoWriter
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import Scenario, simulate
-from mcsl_core.sync import motion
+from mcsl_core.sync.motion import Peak, best_lag, solve_offsets
+from mcsl_core.sync.motion_energy import MotionTrack
 from mcsl_core.sync.synchronise import synchronise
 
 RATE = 25.0
@@ -43,7 +44,7 @@ def track(moved, start_s, seconds, seed, own=0.5, fine=16):
     alone = bustle(seconds, seed + 1000, 1)[: len(seen)]
     level = np.log(0.05 + seen + own * alone + rng.uniform(0, 0.02, len(seen)))
     level = level - ndimage.uniform_filter1d(level, 201, mode="nearest")
-    return motion.Track(np.array([level, level]), 0.0, RATE)
+    return MotionTrack(np.array([level, level]), 0.0, RATE)
 
 
 @settings(max_examples=15)
@@ -51,7 +52,7 @@ def track(moved, start_s, seconds, seed, own=0.5, fine=16):
 def test_a_lag_is_found_to_within_a_picture(lag_s, seed):
     lag_s = round(lag_s * RATE * 16) / (RATE * 16)
     moved = bustle(220, seed)
-    peak = motion.best_fit(track(moved, 45, 120, seed, own=0.2), track(moved, 45 + lag_s, 120, seed + 1, own=0.2))
+    peak = best_lag(track(moved, 45, 120, seed, own=0.2), track(moved, 45 + lag_s, 120, seed + 1, own=0.2))
     assert peak.clear
     assert peak.lag_s == pytest.approx(lag_s, abs=1 / RATE)
 
@@ -61,38 +62,38 @@ def test_a_lag_is_found_to_within_a_picture(lag_s, seed):
 def test_strangers_do_not_fit(seed, seconds):
     a = track(bustle(seconds + 10, seed), 0, seconds, seed)
     b = track(bustle(seconds + 10, seed + 20_000), 0, seconds, seed + 1)
-    assert not motion.best_fit(a, b).clear
+    assert not best_lag(a, b).clear
 
 
 def test_what_repeats_is_not_clear():
     """A ventilator's stroke every four seconds."""
     stroke = np.tile(np.hanning(64 * 16), 220 * 25 // 100 + 1)
     stroke = np.pad(stroke.reshape(-1, 64 * 16), ((0, 0), (0, 36 * 16))).ravel()
-    peak = motion.best_fit(track(stroke, 0, 120, 1, own=0.1), track(stroke, 6, 120, 2, own=0.1))
+    peak = best_lag(track(stroke, 0, 120, 1, own=0.1), track(stroke, 6, 120, 2, own=0.1))
     assert not peak.clear
 
 
 def test_nothing_that_moves_and_too_little_of_it_are_not_clear():
-    still = motion.Track(np.zeros((2, 3000)), 0.0, RATE)
+    still = MotionTrack(np.zeros((2, 3000)), 0.0, RATE)
     moved = bustle(60, 3)
-    assert not motion.best_fit(still, track(moved, 0, 50, 1)).clear
-    assert not motion.best_fit(track(moved, 0, 20, 1), track(moved, 0, 20, 2)).clear
-    assert not motion.best_fit(motion.Track(np.zeros((2, 0)), 0.0, RATE), still).clear
+    assert not best_lag(still, track(moved, 0, 50, 1)).clear
+    assert not best_lag(track(moved, 0, 20, 1), track(moved, 0, 20, 2)).clear
+    assert not best_lag(MotionTrack(np.zeros((2, 0)), 0.0, RATE), still).clear
 
 
 def test_a_camera_is_tied_in_through_the_others():
     """The reference and c never fit by themselves; by way of b they do, and one pair that lies is outvoted."""
     clear, dull = (9.0, 2.0), (3.0, 1.0)
     peaks = {
-        ("a", "b"): motion.Peak(1.0, *clear),
-        ("a", "c"): motion.Peak(40.0, *dull),
-        ("a", "d"): motion.Peak(0.5, *clear),
-        ("b", "c"): motion.Peak(2.0, *clear),
-        ("b", "d"): motion.Peak(33.0, 6.5, 1.6),
-        ("c", "d"): motion.Peak(-2.5, *clear),
-        ("a", "e"): motion.Peak(1.0, *dull),
+        ("a", "b"): Peak(1.0, *clear),
+        ("a", "c"): Peak(40.0, *dull),
+        ("a", "d"): Peak(0.5, *clear),
+        ("b", "c"): Peak(2.0, *clear),
+        ("b", "d"): Peak(33.0, 6.5, 1.6),
+        ("c", "d"): Peak(-2.5, *clear),
+        ("a", "e"): Peak(1.0, *dull),
     }
-    offsets = motion.place(peaks, "a")
+    offsets = solve_offsets(peaks, "a")
     assert offsets == pytest.approx({"a": 0.0, "b": 1.0, "c": 3.0, "d": 0.5})
 
 

@@ -12,9 +12,9 @@ from sync_sound import Notes, heard, room
 
 from mcsl_core.edl import Camera, Media
 from mcsl_core.media.probing import probe
-from mcsl_core.sync import timecode
 from mcsl_core.sync.clock_fit import Refusal
 from mcsl_core.sync.synchronise import synchronise
+from mcsl_core.sync.timecode import parse_timecode
 
 PAL, NTSC = Fraction(25), Fraction(30000, 1001)
 
@@ -72,23 +72,23 @@ def test_labels_count_pictures_since_midnight(rate, drop):
     nominal = -(-rate.numerator // rate.denominator)
     labels = list(ticks(nominal, drop))
     for at in {*range(0, len(labels), 97), *range(1795, 1805), *range(17975, 17990), len(labels) - 1}:
-        assert timecode.parse(labels[at], rate).count == at
+        assert parse_timecode(labels[at], rate).count == at
     whole = sum(60 * nominal - (nominal // 15 if drop and minute % 10 else 0) for minute in range(24 * 60))
-    last = timecode.parse(f"23:59:59{';' if drop else ':'}{nominal - 1}", rate)
+    last = parse_timecode(f"23:59:59{';' if drop else ':'}{nominal - 1}", rate)
     assert (last.day, last.count) == (whole, whole - 1)
 
 
 def test_a_day_of_dropped_labels_is_a_day():
     """29.97 pictures a second, labels dropped: 24 hours of labels last 86 ms less than a day."""
-    code = timecode.parse("00:00:00;00", NTSC)
+    code = parse_timecode("00:00:00;00", NTSC)
     assert float(code.day / NTSC) == pytest.approx(86400, abs=0.1)
-    assert float(timecode.parse("00:00:00:00", NTSC).day / NTSC) == pytest.approx(86486.4)
+    assert float(parse_timecode("00:00:00:00", NTSC).day / NTSC) == pytest.approx(86486.4)
 
 
 @given(st.text("0123456789:;. ", max_size=14), st.sampled_from([PAL, NTSC, Fraction(30)]))
 def test_what_is_no_label_is_refused(text, rate):
     try:
-        code = timecode.parse(text, rate)
+        code = parse_timecode(text, rate)
     except Refusal:
         return
     assert 0 <= code.count < code.day
@@ -97,7 +97,7 @@ def test_what_is_no_label_is_refused(text, rate):
 @pytest.mark.parametrize("label", ["24:00:00:00", "10:60:00:00", "10:00:00:25", "10:00:00;00", "", "now"])
 def test_labels_that_cannot_be_are_refused(label):
     with pytest.raises(Refusal):
-        timecode.parse(label, PAL)
+        parse_timecode(label, PAL)
 
 
 @pytest.mark.parametrize(

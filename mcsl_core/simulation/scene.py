@@ -1,4 +1,4 @@
-"""Who stands where in a moment: every sprite with its plane in the world, in the order in which they are drawn.
+"""The scene: everything that is filmed, and at each time every sprite with its plane, in the order of drawing.
 
 A placement puts a sprite's plane at ``origin`` (mm) with the plane's x and y along ``ahead`` and ``aside``.
 """
@@ -27,21 +27,36 @@ HANDLE_BELOW_LAMP_MM = 190.0
 
 @attrs.frozen(eq=False)
 class Placement:
+    """A sprite and its plane in the world.
+
+    Attributes
+    ----------
+    sprite
+        What is drawn.
+    origin
+        (3,) of the plane, mm.
+    ahead, aside
+        (3,) unit vectors of the plane's x and y.
+    kind
+        Sleeves and hands at work are drawn below everything else (heads, shoulders, arms that reach for the lamp).
+    ground_z
+        Height of the surface below a sleeve or hand, which shades it.
+    facing
+        Whether it is round, and turned towards each camera.
+    """
+
     sprite: Sprite
     origin: NDArray
     ahead: NDArray
     aside: NDArray
     kind: Literal["sleeve", "hand", "head"]
-    """Sleeves and hands at work are drawn below everything else (heads, shoulders, arms that reach for the lamp)."""
     ground_z: float = 0.0
-    """Height of the surface below a sleeve or hand, which shades it."""
     facing: bool = False
-    """A round thing, to be turned towards whoever looks."""
 
 
 @attrs.frozen(eq=False)
 class Cast:
-    """All sprites of a scenario."""
+    """All sprites: of each worker a hand at every grip and a sleeve, of each person head and shoulders."""
 
     hands: tuple[tuple[Sprite, ...], ...]
     sleeves: tuple[Sprite, ...]
@@ -52,7 +67,8 @@ class Cast:
 
     @classmethod
     def of(cls, scenario: Scenario, crew: tuple[Worker, ...]) -> Cast:
-        # Half a millimetre where a picture is 960 wide; finer than the eye would see on a moving hand takes too long.
+        """Models them, two at once."""
+        # Half a millimetre where a picture is 960 wide; finer would not show on a moving hand and takes too long.
         fine = float(np.clip(480.0 / scenario.size[0], 0.36, 1.5))
         grips = np.linspace(0, 1, actors.GRIPS)
         people = range(scenario.heads)
@@ -77,8 +93,8 @@ class Cast:
 
 
 @attrs.frozen(eq=False)
-class Play:
-    """The whole operation: what happens, and who plays in it."""
+class Scene:
+    """The whole operation: the surface, the rig, the people, and what happens when."""
 
     scenario: Scenario
     surface: Surface
@@ -90,7 +106,8 @@ class Play:
     progression: Progression
 
     @classmethod
-    def of(cls, scenario: Scenario) -> Play:
+    def of(cls, scenario: Scenario) -> Scene:
+        """The scene of a scenario."""
         surface = Surface.of(scenario)
         rig = Rig.of(scenario)
         path = lamp_path(scenario)
@@ -99,7 +116,7 @@ class Play:
         return cls(scenario, surface, rig, path, persons, crew, Cast.of(scenario, crew), Progression(path.movements))
 
     def placements(self, t: float) -> Iterator[Placement]:
-        """Everybody in the picture at programme time ``t``, the lowest first."""
+        """Every sprite at programme time ``t``, the lowest first."""
         for n, worker in enumerate(self.crew):
             yield from self._working_hand(n, worker, t)
         for n, person in enumerate(self.persons):
@@ -146,5 +163,5 @@ class Play:
 
 
 def handle(pose: LampPose) -> NDArray:
-    """The sterile handle below the lamp's middle."""
+    """(3,) mm: the sterile handle below the lamp's middle."""
     return pose.centre_mm - HANDLE_BELOW_LAMP_MM * pose.axes[:, 2]
