@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from typing import Protocol
 
 import cv2
 import numpy as np
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from mcsl_core.edl import Pose
 from mcsl_core.imaging.geometry import scaling, transform_points
 from mcsl_core.imaging.masks import Mask, central_ellipse
-from mcsl_core.recording.sample_store import SampleStore
+from mcsl_core.recording.sample_store import Sample
 
 from .aligned_views import AlignedPose
 from .correspondences import Correspondences, pool
@@ -28,6 +29,20 @@ Array = NDArray[np.float64]
 
 
 NOTHING = Features(np.zeros((0, 2), np.float32), np.zeros((0, 1), np.float32), (1, 1))
+
+
+class Samples(Protocol):
+    """What a pose is solved from: a recording's `SampleStore`, or still pictures as its only moment."""
+
+    @property
+    def frames(self) -> Sequence[int]: ...
+
+    @property
+    def cameras(self) -> Sequence[str]: ...
+
+    def picture(self, position: int, camera: str) -> NDArray[np.uint8] | None: ...
+
+    def __getitem__(self, position: int, /) -> Sample: ...
 
 
 @frozen(eq=False)
@@ -58,7 +73,7 @@ def spread(positions: Sequence[int], wanted: int) -> list[int]:
 
 
 def observe(
-    moments: Sequence[int], views: Sequence[int], samples: SampleStore, matcher: Matcher
+    moments: Sequence[int], views: Sequence[int], samples: Samples, matcher: Matcher
 ) -> dict[str, Observations]:
     """Every camera's points at ``moments``, and its field by ``views``, both positions of samples.
 

@@ -19,7 +19,6 @@ from mcsl_core.edl import Colour, Pose
 from mcsl_core.imaging.geometry import scaling, size_at_columns, to_edl_matrix, transform_points
 from mcsl_core.imaging.masks import Mask, central_ellipse, close_gaps, convex_hull, main_region, resize_mask
 from mcsl_core.progress import Progress
-from mcsl_core.recording.sample_store import SampleStore
 from mcsl_core.timing import FrameRange
 
 from .aligned_views import AlignedPose
@@ -27,7 +26,16 @@ from .clear_frames import degree_of_occlusion, field_area
 from .correspondences import Correspondences
 from .dense_matching import PlacedCamera, match_densely
 from .field import field_by_hue, typical_picture
-from .observations import Observations, SolvedPose, field_in_camera, match_cameras, observe, spread, weight_matches
+from .observations import (
+    Observations,
+    Samples,
+    SolvedPose,
+    field_in_camera,
+    match_cameras,
+    observe,
+    spread,
+    weight_matches,
+)
 from .protocol import Aligner, Alignment, Matcher
 from .settings import SolveSettings
 
@@ -39,7 +47,7 @@ STEADY = 6  # levels of 255 that a pixel may be off its median half of the time:
 def solve_pose(
     piece: FrameRange,
     standing: Sequence[int],
-    samples: SampleStore,
+    samples: Samples,
     sizes: Mapping[str, tuple[int, int]],
     *,
     reference: str,
@@ -79,7 +87,7 @@ def solve_pose(
     return SolvedPose(pose, scene, tuple(views), kept)
 
 
-def _doo(samples: SampleStore, position: int) -> float:
+def _doo(samples: Samples, position: int) -> float:
     return degree_of_occlusion([field_area(p) for p in samples[position].pictures.values() if p is not None])
 
 
@@ -117,7 +125,7 @@ def _by_spots(
     first: Alignment,
     place: Mask,
     moments: Sequence[int],
-    samples: SampleStore,
+    samples: Samples,
     sizes: Mapping[str, tuple[int, int]],
     reference: str,
     settings: SolveSettings,
