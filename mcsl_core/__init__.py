@@ -46,15 +46,13 @@ __all__ = [
 __getattr__, __dir__ = lazy_names(
     __name__,
     {
-        "Alignment": "mcsl_core.alignment.protocol",
-        "AnalysisSettings": "mcsl_core.analysis.settings",
-        "FrameRange": "mcsl_core.timing",
-        "McslError": "mcsl_core.errors",
-        "Programme": "mcsl_core.api.programme",
-        "Session": "mcsl_core.cli.output",
-        "align": "mcsl_core.api.stills",
-        "analyse": "mcsl_core.api.entry",
-        "evaluate": "mcsl_core.api.entry",
-        "open": "mcsl_core.api.entry",
+        "mcsl_core.alignment.protocol": ("Alignment",),
+        "mcsl_core.analysis.settings": ("AnalysisSettings",),
+        "mcsl_core.api.entry": ("analyse", "evaluate", "open"),
+        "mcsl_core.api.programme": ("Programme",),
+        "mcsl_core.api.stills": ("align",),
+        "mcsl_core.cli.output": ("Session",),
+        "mcsl_core.errors": ("McslError",),
+        "mcsl_core.timing": ("FrameRange",),
     },
 )

@@ -9,9 +9,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from mcsl_core.filling.protocol import FillContext
-from mcsl_core.hooks.specs import hookimpl
-from mcsl_core.imaging.planes import U8, Planes
+from mcsl_core.hooks import U8, FillContext, Planes, hookimpl
 
 # Of the footprint's border, in chroma samples: there the warp has mixed the picture with black.
 _BORDER = np.ones((3, 3), np.uint8)

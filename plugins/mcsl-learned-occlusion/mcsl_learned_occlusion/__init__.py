@@ -15,11 +15,7 @@ import cv2
 import numpy as np
 from attrs import evolve, field, frozen
 
-from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView
-from mcsl_core.errors import UsageError
-from mcsl_core.hooks.specs import hookimpl
-from mcsl_core.imaging.masks import Mask, main_region
-from mcsl_core.occlusion.consensus import Cut
+from mcsl_core.hooks import AlignedPose, AlignedView, Cut, Mask, UsageError, hookimpl, main_region
 
 from .features import REACH, Box, Float, Seen, Usual, backgrounds, features, seen_of, usual_of, whole
 from .model import Model

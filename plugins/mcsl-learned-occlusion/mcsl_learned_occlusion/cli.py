@@ -11,7 +11,7 @@ from mcsl_core import edl
 from mcsl_core.analysis.pipeline import analyse
 from mcsl_core.analysis.settings import AnalysisSettings
 from mcsl_core.cli.output import Session
-from mcsl_core.errors import Cancelled, McslError, UsageError
+from mcsl_core.hooks import Cancelled, McslError, UsageError
 from mcsl_core.hooks import registry as plugins
 
 PATH = click.Path(path_type=Path)

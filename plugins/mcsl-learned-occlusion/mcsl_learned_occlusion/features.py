@@ -13,9 +13,8 @@ import numpy as np
 from attrs import evolve, frozen
 from numpy.typing import NDArray
 
-from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView, Array, Picture
-from mcsl_core.imaging.masks import Mask
-from mcsl_core.occlusion.consensus import Consensus, Cut
+from mcsl_core.alignment.aligned_views import Array, Picture
+from mcsl_core.hooks import AlignedPose, AlignedView, Consensus, Cut, Mask
 
 Float = NDArray[np.float32]
 Box = tuple[slice, slice]  # rows and columns

@@ -16,14 +16,18 @@ from attrs import frozen
 from numpy.typing import NDArray
 
 from mcsl_core import edl
-from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView, Picture
-from mcsl_core.documents import write_atomic
-from mcsl_core.errors import InputError
-from mcsl_core.imaging.geometry import size_at_columns
-from mcsl_core.occlusion.consensus import Cut
-from mcsl_core.progress import Progress
-from mcsl_core.recording.footage import Footage
-from mcsl_core.timing import FrameRange
+from mcsl_core.alignment.aligned_views import Picture
+from mcsl_core.hooks import (
+    AlignedPose,
+    AlignedView,
+    Cut,
+    Footage,
+    FrameRange,
+    InputError,
+    Progress,
+    size_at_columns,
+    write_atomic,
+)
 
 from .features import Seen, backgrounds, seen_of, to_cut, whole
 from .model import CLASSES

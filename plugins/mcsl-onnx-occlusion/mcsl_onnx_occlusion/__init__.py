@@ -16,10 +16,7 @@ import cv2
 import numpy as np
 from attrs import field, frozen
 
-from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView
-from mcsl_core.errors import UsageError
-from mcsl_core.hooks.specs import hookimpl
-from mcsl_core.imaging.masks import Mask, main_region
+from mcsl_core.hooks import AlignedPose, AlignedView, Mask, UsageError, hookimpl, main_region
 
 from .network import Map, Network
 
