@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mcsl_core import edl as edls
+from mcsl_core.analysis.measurements import load_measurements
 from mcsl_core.blender import installation as blenders
 from mcsl_core.blender import render as rendering
 from mcsl_core.blender.timeline import build_timeline
@@ -23,7 +24,7 @@ from mcsl_core.edl.edits import rebased
 from mcsl_core.errors import Fault, InputError, UsageError
 from mcsl_core.hooks.registry import filler_of
 from mcsl_core.imaging.planes import U8
-from mcsl_core.occlusion.score_table import ScoreTable, load_scores
+from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.progress import Progress, Silent
 from mcsl_core.recording.footage import Footage, footage_of
 from mcsl_core.report.page import write_report
@@ -116,7 +117,7 @@ class Programme:
         """
         if self._edl.scores is None:
             raise InputError("keeps no scores", where=str(self.path), remedy="Run `mcsl analyse` again")
-        return load_scores(self.folder / self._edl.scores)
+        return load_measurements(self.folder / self._edl.scores).scores
 
     def override(
         self,

@@ -19,8 +19,8 @@ class HoldFiller:
     """Holds the last pixels seen at each place of the programme.
 
     Along a hard edge: a soft one would be blended into the memory anew with every frame, and creep. The memory is what
-    `View.previous` is, so it begins anew every ten seconds from ever earlier frames: a frame comes out the same in
-    whatever stretch it is made, and a shot that fell between those frames is not remembered beyond ten seconds.
+    `FillContext.previous` is, so it begins anew every ten seconds from ever earlier frames: a frame comes out the same
+    in whatever stretch it is made, and a shot that fell between those frames is not remembered beyond ten seconds.
     """
 
     name = "hold"

@@ -12,10 +12,12 @@ import numpy as np
 import pytest
 
 import mcsl_core as mcsl
+from mcsl_core.analysis.measurements import Measurements
 from mcsl_core.edl import Camera, Correction, Edl, Look, Media, Pose, Shot, save
 from mcsl_core.errors import DocumentError, InputError, MediaError, UsageError
 from mcsl_core.imaging.planes import bgr_to_planes
 from mcsl_core.media.writing import Encoding, VideoWriter
+from mcsl_core.movement.protocol import NO_CURVE
 from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.timing import FrameRange
 
@@ -71,7 +73,8 @@ def programme(films: Path, tmp_path: Path) -> mcsl.Programme:
         scores="edl.scores.npz",
     )
     visible = np.array([[0.9, 0.2], [0.5, 1.0]])
-    ScoreTable(np.array([0, 10]), ("cam1", "cam2"), visible, np.ones((2, 2), bool)).save(tmp_path / "edl.scores.npz")
+    scores = ScoreTable(np.array([0, 10]), ("cam1", "cam2"), visible, np.ones((2, 2), bool))
+    Measurements(scores, NO_CURVE).save(tmp_path / "edl.scores.npz")
     save(edl, tmp_path / "edl.json")
     return mcsl.open(str(tmp_path / "edl.json"))
 
