@@ -1,4 +1,4 @@
-"""What the two public packages offer, `mcsl_core` and `mcsl_core.hooks`: found when asked for, seen by type checkers."""
+"""What the two public packages, `mcsl_core` and `mcsl_core.hooks`, offer: found when asked for, known to checkers."""
 
 from __future__ import annotations
 

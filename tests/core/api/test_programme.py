@@ -1,4 +1,4 @@
-"""The front door as a notebook uses it. Where things lie is read off the pictures, not off the matrices that laid them."""
+"""The front door as a notebook uses it. Where things lie is read off the pictures, not off the matrices behind them."""
 
 from __future__ import annotations
 
@@ -243,5 +243,5 @@ def test_without_scores_it_says_how_to_get_them(programme) -> None:
 
 def test_what_is_no_edl_is_refused_when_it_is_opened(tmp_path: Path) -> None:
     (tmp_path / "e.json").write_text("{}", "utf-8")
-    with pytest.raises(DocumentError, match="e.json"):
+    with pytest.raises(DocumentError, match=r"e\.json"):
         mcsl.open(tmp_path / "e.json")
