@@ -78,7 +78,7 @@ def test_they_keep_to_120_columns_whatever_is_written_into_them(written: Written
     for project in written.projects.values():
         for path in (*project.rglob("*.py"), *project.rglob("*.md")):
             text = path.read_text("utf-8")
-            assert max(map(len, text.splitlines())) <= 130 if path.suffix == ".md" else 120, path
+            assert max(map(len, text.splitlines())) <= 120, path
             assert "{{" not in text
             assert text.endswith("\n")
 
