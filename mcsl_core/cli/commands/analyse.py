@@ -44,8 +44,14 @@ def analyse(
         frames_per_second = parse_rate(rate) if rate else None
     except ValueError as error:
         raise UsageError(str(error)) from error
-    settings = mcsl.AnalysisSettings(rate=frames_per_second, sync=sync, gaze=gaze, cache=not no_cache)
-    named = {stage: name for stage, name in stages.items() if name}
+    settings = mcsl.AnalysisSettings(
+        reference=reference,
+        rate=frames_per_second,
+        sync=sync,
+        gaze=gaze,
+        cache=not no_cache,
+        stages={stage: name for stage, name in stages.items() if name},
+    )
     with session.progress() as progress:
-        made = mcsl.analyse(recording, out, reference=reference, settings=settings, progress=progress, **named)
+        made = mcsl.analyse(recording, out, settings=settings, progress=progress)
     session.result({"edl": str(out), **summary.summary(made.edl)}, f"{out}: {summary.describe(made.edl)}")
