@@ -164,9 +164,9 @@ class Reference:
                 self.handed[value.key] = value
 
     def values(self) -> None:
-        self.parts.append("### Values that are handed over\n")
+        self.parts.append("### Values that are handed over\n\nAll of them come from `mcsl_core.hooks`.\n")
         for value in sorted(self.handed.values(), key=lambda v: (v.node.name, v.module)):
-            self.parts.append(f"#### {value.node.name} (`mcsl_core.{value.module}`)\n\n{document(value.node)}\n")
+            self.parts.append(f"#### {value.node.name}\n\n{document(value.node)}\n")
             lines = list(value.fields())
             for function in value.functions():
                 if is_property(function):

@@ -24,7 +24,6 @@ from mcsl_core.compositing.coverage import Coverage, has_picture
 from mcsl_core.compositing.placement import programme_matrix
 from mcsl_core.compositing.proxy import SharedFootage, reduced, reduced_filler, reduced_size
 from mcsl_core.edl import IDENTITY, Edl, Look
-from mcsl_core.edl import load as load_edl
 from mcsl_core.edl.placement import placement_matrix
 from mcsl_core.edl.resolve import Decision, offset_at, resolve, shift_at
 from mcsl_core.errors import UsageError
@@ -33,7 +32,7 @@ from mcsl_core.imaging.psnr import psnr
 from mcsl_core.progress import Progress, Silent
 from mcsl_core.timing import FrameRange
 
-from .manual_alignment import ByHand, aligned_by_hand, load_manual
+from .manual_alignment import ByHand, aligned_by_hand
 from .metrics import NO_TRACKS, Tracker, Tracks, carried, fidelity_db, grey, speed_px
 from .results import FIELD, Conditions, Evaluation, Measured, Pair, Steadiness, Switch
 
@@ -161,23 +160,6 @@ def evaluate(
         for variant, result in zip(variants, results, strict=True)
     )
     return Evaluation(Conditions(size, every, len(cuts)), switches, rows)
-
-
-def evaluate_file(
-    path: Path,
-    *,
-    manual: Path | None = None,
-    manual_fit: str = "similarity",
-    width: int = WIDTH,
-    every: int = 1,
-    colour: bool = False,
-    progress: Progress | None = None,
-) -> Evaluation:
-    """`evaluate` of the EDL at ``path`` in the standard variants; manual: a file of alignments by hand."""
-    edl = load_edl(path)
-    by_hand = None if manual is None else load_manual(manual, edl, fit=manual_fit)
-    variants = standard_variants(edl, manual=by_hand, colour=colour)
-    return evaluate(edl, path.parent, variants, width=width, every=every, progress=progress)
 
 
 def _summary(pairs: Mapping[int, Pair], weights: Mapping[int, float]) -> Steadiness:

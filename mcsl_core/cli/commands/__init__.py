@@ -8,6 +8,7 @@ from .conform import conform
 from .demo import demo
 from .evaluate import evaluate
 from .look import look
+from .plugin import plugin_group
 from .plugins import list_plugins
 from .render import render
 from .report import report
@@ -26,5 +27,6 @@ COMMANDS: tuple[click.Command, ...] = (
     evaluate,
     report,
     list_plugins,
+    plugin_group,
     blender_group,
 )

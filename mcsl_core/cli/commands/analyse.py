@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+import mcsl_core as mcsl
 from mcsl_core.cli.options import PATH, stage_options
 from mcsl_core.cli.output import Session
 from mcsl_core.errors import UsageError
@@ -37,21 +38,20 @@ def analyse(
 
     RECORDING is a folder with one file per camera, or the camera files in order.
     """
-    from mcsl_core.analysis import pipeline, summary
-    from mcsl_core.analysis.settings import AnalysisSettings
-    from mcsl_core.hooks import registry
+    from mcsl_core.analysis import summary
 
     try:
-        settings = AnalysisSettings(
-            reference=reference,
-            rate=parse_rate(rate) if rate else None,
-            sync=sync,
-            gaze=gaze,
-            cache=not no_cache,
-            stages={stage: name for stage, name in stages.items() if name},
-        )
+        frames_per_second = parse_rate(rate) if rate else None
     except ValueError as error:
         raise UsageError(str(error)) from error
+    settings = mcsl.AnalysisSettings(
+        reference=reference,
+        rate=frames_per_second,
+        sync=sync,
+        gaze=gaze,
+        cache=not no_cache,
+        stages={stage: name for stage, name in stages.items() if name},
+    )
     with session.progress() as progress:
-        edl = pipeline.analyse(recording, out, settings=settings, plugins=registry.discover(), progress=progress)
-    session.result({"edl": str(out), **summary.summary(edl)}, f"{out}: {summary.describe(edl)}")
+        made = mcsl.analyse(recording, out, settings=settings, progress=progress)
+    session.result({"edl": str(out), **summary.summary(made.edl)}, f"{out}: {summary.describe(made.edl)}")

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+import mcsl_core as mcsl
 from mcsl_core.cli.options import PATH
 from mcsl_core.cli.output import Session
 
@@ -25,26 +26,15 @@ def conform(session: Session, edl: Path, out: Path | None, quality: str, jobs: i
     From the original media, in full resolution, in chunks: only what is missing or changed is made.
     Qualities lie beside each other; a timeline shows the finest there is of each stretch.
     """
-    from mcsl_core import edl as edls
     from mcsl_core.blender.messages import ConformedMedia, to_json
     from mcsl_core.blender.timeline import piece_of
-    from mcsl_core.delivery import conform as conforming
     from mcsl_core.delivery.quality import quality_named
-    from mcsl_core.hooks.registry import filler_of
 
-    kind, decided = quality_named(quality), edls.load(edl)
-    folder = out or conforming.default_folder(edl)
+    quality_named(quality)  # a wrong call is told before the EDL is read
+    programme = mcsl.open(edl)
     with session.progress() as progress:
-        done = conforming.conform(
-            decided,
-            edl.parent,
-            folder,
-            filler=filler_of(decided, progress),
-            jobs=jobs,
-            prune=prune,
-            quality=kind,
-            progress=progress,
-        )
+        done = programme.conform(folder=out, quality=quality, jobs=jobs, prune=prune, progress=progress)
+    folder = done.folder
     media = ConformedMedia(
         folder=folder,
         chunks=len(done.chunks),

@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+import mcsl_core as mcsl
 from mcsl_core.cli.options import PATH
 from mcsl_core.cli.output import Session
 from mcsl_core.errors import UsageError
@@ -48,11 +49,10 @@ def evaluate(
         tests = questionnaire.analyse_study(study)
         shown, as_csv, as_json = console.study_table(tests), questionnaire.to_csv(tests), questionnaire.to_json(tests)
     elif edl is not None and study is None:
-        from mcsl_core.evaluation import evaluate as evaluating
         from mcsl_core.evaluation import results
 
         with session.progress() as progress:
-            found = evaluating.evaluate_file(edl, **how, progress=progress)
+            found = mcsl.evaluate(mcsl.open(edl), **how, progress=progress)
         shown, as_csv, as_json = console.steadiness_table(found), results.to_csv(found), results.to_json(found)
     else:
         raise UsageError("takes an EDL, or --study with a file of ratings", remedy="See: mcsl evaluate --help")

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+import mcsl_core as mcsl
 from mcsl_core.cli.options import PATH
 from mcsl_core.cli.output import Session
 
@@ -20,8 +21,6 @@ def report(session: Session, edl: Path, out: Path, figures: Path | None) -> None
 
     Cameras, shots, movements, alignment, clocks and steadiness; self-contained, for any browser.
     """
-    from mcsl_core.report.page import write_report
-
     with session.progress() as progress:
-        write_report(edl, out, figures_path=figures, progress=progress)
+        mcsl.open(edl).report(out, figures=figures, progress=progress)
     session.result({"report": str(out)}, f"{out}: {out.stat().st_size / 1e6:.1f} MB, open it in a browser")

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+import mcsl_core as mcsl
 from mcsl_core.cli.options import PATH
 from mcsl_core.cli.output import Session
 
@@ -19,14 +20,10 @@ from mcsl_core.cli.output import Session
 @click.pass_obj
 def timeline(session: Session, edl: Path, out: Path, preset: str, conformed: Path | None, blender: str | None) -> None:
     """Build the Blender timeline of EDL."""
-    from mcsl_core.blender import installation
     from mcsl_core.blender.messages import to_json
-    from mcsl_core.blender.timeline import build_timeline
 
     with session.progress() as progress:
-        built = build_timeline(
-            edl, out, blender=installation.find(blender), preset=preset, conformed=conformed, progress=progress
-        )
+        built = mcsl.open(edl).timeline(out, preset=preset, conformed=conformed, blender=blender, progress=progress)
     session.result(to_json(built), f"{out}: open it in Blender, or render it: mcsl render {out}")
 
 

@@ -21,11 +21,7 @@ import numpy as np
 from attrs import field, frozen
 from numpy.typing import NDArray
 
-from mcsl_core.alignment.correspondences import Correspondences
-from mcsl_core.alignment.protocol import Alignment
-from mcsl_core.edl import Weak
-from mcsl_core.hooks.specs import hookimpl
-from mcsl_core.imaging.geometry import transform_points
+from mcsl_core.hooks import Alignment, Correspondences, Weak, hookimpl, transform_points
 
 from .calibration import Calibration, calibrate, project
 from .tracks import CELL_PX, Array, CalibrationSettings, Tracks, build_tracks, true_matches

@@ -8,7 +8,7 @@ import numpy as np
 from attrs import evolve, field, frozen
 from numpy.typing import NDArray
 
-from mcsl_core.alignment.correspondences import Correspondences
+from mcsl_core.hooks import Correspondences
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]

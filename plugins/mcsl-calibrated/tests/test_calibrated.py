@@ -13,8 +13,7 @@ import pytest
 from mcsl_calibrated.calibration import calibrate
 from mcsl_calibrated.tracks import CalibrationSettings, build_tracks
 
-from mcsl_core.alignment.correspondences import Correspondences
-from mcsl_core.hooks.registry import discover
+from mcsl_core.hooks import Correspondences, discover
 
 SIZE = (960, 540)
 

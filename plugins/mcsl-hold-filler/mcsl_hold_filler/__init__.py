@@ -9,9 +9,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from mcsl_core.filling.protocol import FillContext
-from mcsl_core.hooks.specs import hookimpl
-from mcsl_core.imaging.planes import U8, Planes
+from mcsl_core.hooks import U8, FillContext, Planes, hookimpl
 
 # Of the footprint's border, in chroma samples: there the warp has mixed the picture with black.
 _BORDER = np.ones((3, 3), np.uint8)
@@ -21,8 +19,8 @@ class HoldFiller:
     """Holds the last pixels seen at each place of the programme.
 
     Along a hard edge: a soft one would be blended into the memory anew with every frame, and creep. The memory is what
-    `View.previous` is, so it begins anew every ten seconds from ever earlier frames: a frame comes out the same in
-    whatever stretch it is made, and a shot that fell between those frames is not remembered beyond ten seconds.
+    `FillContext.previous` is, so it begins anew every ten seconds from ever earlier frames: a frame comes out the same
+    in whatever stretch it is made, and a shot that fell between those frames is not remembered beyond ten seconds.
     """
 
     name = "hold"

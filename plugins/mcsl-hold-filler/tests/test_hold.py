@@ -11,12 +11,9 @@ import pytest
 from mcsl_hold_filler import HoldFiller
 
 from mcsl_core.compositing.compositor import Compositor
-from mcsl_core.edl import Camera, Edl, Look, Media, Pose, Shot
-from mcsl_core.hooks.registry import discover
-from mcsl_core.imaging.planes import Planes
+from mcsl_core.edl import Camera, Edl, Look, Media, Pose
+from mcsl_core.hooks import Footage, FrameRange, Planes, Shot, discover
 from mcsl_core.media.writing import Encoding, VideoWriter
-from mcsl_core.recording.footage import Footage
-from mcsl_core.timing import FrameRange
 
 SIZE, RATE, FRAMES = (128, 64), 4, 96
 VALUES = {"ref": 90, "left": 150, "right": 210}

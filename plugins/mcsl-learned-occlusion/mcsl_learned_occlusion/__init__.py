@@ -15,11 +15,7 @@ import cv2
 import numpy as np
 from attrs import evolve, field, frozen
 
-from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView
-from mcsl_core.errors import UsageError
-from mcsl_core.hooks.specs import hookimpl
-from mcsl_core.imaging.masks import Mask, main_region
-from mcsl_core.occlusion.consensus import Cut
+from mcsl_core.hooks import AlignedPose, AlignedView, Cut, Mask, UsageError, hookimpl, main_region
 
 from .features import REACH, Box, Float, Seen, Usual, backgrounds, features, seen_of, usual_of, whole
 from .model import Model
@@ -31,7 +27,7 @@ VARIABLE = "MCSL_LEARNED_MODEL"
 class LearnedOcclusion:
     """The visible field by a classifier trained on frames that you mark with mcsl-label. Named by MCSL_LEARNED_MODEL.
 
-    looks: so many moments of a stretch are classified to find where the field lies, by a model that knows the field
+    looks: so many samples of a stretch are classified to find where the field lies, by a model that knows the field
     from what lies elsewhere; else the field is where mcsl takes it to be.
     """
 
@@ -42,15 +38,15 @@ class LearnedOcclusion:
         """Loads the model, so that one that is missing or wrong is refused before any work is done."""
         chosen_model()
 
-    def scorer(self, scene: AlignedPose, moments: Sequence[Sequence[AlignedView]]) -> LearnedScorer:
-        """A scorer for the stretch of a pose that ``moments`` were taken from."""
-        model, cut = chosen_model(), whole(scene)
-        usual = usual_of(backgrounds(scene, moments)) if len(moments) else {}
-        scorer = LearnedScorer(model, cut, usual, cut.mask(scene.field))
-        if "elsewhere" not in model.classes or not len(moments):
+    def scorer(self, aligned: AlignedPose, samples: Sequence[Sequence[AlignedView]]) -> LearnedScorer:
+        """A scorer for the stretch of a pose that ``samples`` were taken from."""
+        model, cut = chosen_model(), whole(aligned)
+        usual = usual_of(backgrounds(aligned, samples)) if len(samples) else {}
+        scorer = LearnedScorer(model, cut, usual, cut.mask(aligned.field))
+        if "elsewhere" not in model.classes or not len(samples):
             return scorer.trimmed()
-        positions = np.unique(np.linspace(0, len(moments) - 1, min(self.looks, len(moments))).astype(int))
-        place = scorer.field([moments[position] for position in positions])
+        positions = np.unique(np.linspace(0, len(samples) - 1, min(self.looks, len(samples))).astype(int))
+        place = scorer.field([samples[position] for position in positions])
         return evolve(scorer, place=place if place.any() else scorer.place).trimmed()
 
     def __repr__(self) -> str:
@@ -61,8 +57,8 @@ class LearnedOcclusion:
 
 @frozen(eq=False)
 class LearnedScorer:
-    """Scores moments of one stretch of a pose. usual: how each view looks with nothing before it. place: (h, w), the
-    field. box: the part of the scene that is looked at, rows and columns; all three are of the same shape."""
+    """Scores samples of one stretch of a pose. usual: how each view looks with nothing before it. place: (h, w), the
+    field. box: the part of the aligned pose that is looked at, rows and columns; all three are of the same shape."""
 
     model: Model
     cut: Cut
@@ -95,10 +91,10 @@ class LearnedScorer:
             for name, shares in self._shares(seen).items()
         }
 
-    def field(self, moments: Sequence[Sequence[AlignedView]]) -> Mask:
-        """(h, w) bool: where the field lies, by all views of some moments; what is in the way has no vote."""
+    def field(self, samples: Sequence[Sequence[AlignedView]]) -> Mask:
+        """(h, w) bool: where the field lies, by all views of some samples; what is in the way has no vote."""
         shown, elsewhere = (np.zeros(self.place.shape, np.float32) for _ in range(2))
-        for views in moments:
+        for views in samples:
             seen = self._seen(views)
             for name, shares in self._shares(seen).items():
                 shown += shares[..., self.model.classes.index("field")] * seen[name].inside

@@ -7,12 +7,8 @@ from pathlib import Path
 
 import click
 
-from mcsl_core import edl
-from mcsl_core.analysis.pipeline import analyse
-from mcsl_core.analysis.settings import AnalysisSettings
-from mcsl_core.cli.output import Session
-from mcsl_core.errors import Cancelled, McslError, UsageError
-from mcsl_core.hooks import registry as plugins
+import mcsl_core as mcsl
+from mcsl_core.hooks import Cancelled, McslError, UsageError
 
 PATH = click.Path(path_type=Path)
 
@@ -28,7 +24,7 @@ def cli(ctx: click.Context, progress: str, debug: bool) -> None:
     mcsl-label export recording/ frames/     pictures to paint on
     mcsl-label train frames/ -o model.npz    a model from what you painted
     """
-    ctx.obj = Session(progress, debug)
+    ctx.obj = mcsl.Session(progress, debug)
 
 
 @cli.command()
@@ -36,7 +32,7 @@ def cli(ctx: click.Context, progress: str, debug: bool) -> None:
 @click.argument("out", type=PATH)
 @click.option("--frames", default=16, show_default=True, help="How many pictures to write.")
 @click.pass_obj
-def export(session: Session, source: tuple[Path, ...], out: Path, frames: int) -> None:
+def export(session: mcsl.Session, source: tuple[Path, ...], out: Path, frames: int) -> None:
     """Write pictures to paint on into the folder OUT.
 
     SOURCE is an EDL of `mcsl analyse`, or a recording, which is then analysed first.
@@ -47,17 +43,10 @@ def export(session: Session, source: tuple[Path, ...], out: Path, frames: int) -
         raise UsageError(f"--frames must be 1 or more, got {frames}")
     with session.progress() as progress:
         if len(source) == 1 and source[0].suffix.lower() == ".json":
-            document, base = edl.load(source[0]), source[0].parent
+            programme = mcsl.open(source[0])
         else:
-            base = out / "analysis"
-            document = analyse(
-                source,
-                base / "edl.json",
-                settings=AnalysisSettings(),
-                plugins=plugins.discover(),
-                progress=progress,
-            )
-        written = run(document, base, out, frames=frames, progress=progress)
+            programme = mcsl.analyse(source, out / "analysis" / "edl.json", progress=progress)
+        written = run(programme, out, frames=frames, progress=progress)
     session.result(
         {"folder": str(out), "frames": [p.name for p in written]},
         f"{out}: {len(written)} pictures. Paint on them and save each beside itself as NAME.mask.png:\n"
@@ -70,7 +59,7 @@ def export(session: Session, source: tuple[Path, ...], out: Path, frames: int) -
 @click.argument("folders", type=PATH, nargs=-1, required=True)
 @click.option("-o", "--out", type=PATH, required=True, help="The model, an .npz file.")
 @click.pass_obj
-def train(session: Session, folders: tuple[Path, ...], out: Path) -> None:
+def train(session: mcsl.Session, folders: tuple[Path, ...], out: Path) -> None:
     """Train a model from the pictures painted in FOLDERS."""
     from .labelling import read_marked
     from .training import train as run

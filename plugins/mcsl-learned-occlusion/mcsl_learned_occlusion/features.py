@@ -1,7 +1,8 @@
 """What the classifier is told about a pixel: its colour, its surroundings, its own past, and what the other views show.
 
 Colours are log ratios, so that brighter light or another white balance shifts them all by a constant; differences from
-the past are free of it altogether. Works on the whole scene at half its size: (h, w) "cut" pixels, centres at integers.
+the past are free of it altogether. Works on the whole aligned pose at half its size: (h, w) "cut" pixels, centres at
+integers.
 """
 
 from __future__ import annotations
@@ -13,9 +14,7 @@ import numpy as np
 from attrs import evolve, frozen
 from numpy.typing import NDArray
 
-from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView, Array, Picture
-from mcsl_core.imaging.masks import Mask
-from mcsl_core.occlusion.consensus import Consensus, Cut
+from mcsl_core.hooks import U8, AlignedPose, AlignedView, Consensus, Cut, Mask
 
 Float = NDArray[np.float32]
 Box = tuple[slice, slice]  # rows and columns
@@ -53,7 +52,7 @@ _LOGARITHMS = np.log(np.arange(256, dtype=np.float32) + DARK)
 class Seen:
     """One view at one moment. picture: (h, w, 3) BGR in cut pixels. inside: (h, w), where the camera has picture."""
 
-    picture: Picture
+    picture: U8
     inside: Mask
 
 
@@ -66,8 +65,8 @@ class Usual:
     """
 
     colours: Float
-    low: Picture
-    high: Picture
+    low: U8
+    high: U8
     fixed: Float
     light: float
 
@@ -77,9 +76,9 @@ class Usual:
         )  # fmt: skip
 
 
-def whole(scene: AlignedPose) -> Cut:
-    """All of the scene, halved."""
-    return Cut(0, scene.size[1], 0, scene.size[0])
+def whole(aligned: AlignedPose) -> Cut:
+    """All of the aligned, halved."""
+    return Cut(0, aligned.size[1], 0, aligned.size[0])
 
 
 def seen_of(views: Sequence[AlignedView], cut: Cut) -> dict[str, Seen]:
@@ -87,14 +86,14 @@ def seen_of(views: Sequence[AlignedView], cut: Cut) -> dict[str, Seen]:
     return {v.camera: Seen(cut.picture(v.aligned), cut.mask(v.inside)) for v in views}
 
 
-def backgrounds(scene: AlignedPose, moments: Sequence[Sequence[AlignedView]], *, count: int = 40) -> dict[str, Seen]:
-    """Every view with nothing before it, by agreement of the views (mcsl's `consensus`), all over the scene."""
+def backgrounds(aligned: AlignedPose, samples: Sequence[Sequence[AlignedView]], *, count: int = 40) -> dict[str, Seen]:
+    """Every view with nothing before it, by agreement of the views (mcsl's `consensus`), all over the aligned."""
     everywhere = AlignedPose(
-        scene.size, scene.reference, scene.homographies, scene.camera_sizes, np.ones(scene.field.shape, bool)
+        aligned.size, aligned.reference, aligned.homographies, aligned.camera_sizes, np.ones(aligned.field.shape, bool)
     )
-    agreed = Consensus(samples=count).scorer(everywhere, moments).background
-    cut, found = whole(scene), {}
-    for views in moments:  # where a camera has picture is the same at all moments of a pose
+    agreed = Consensus(samples=count).scorer(everywhere, samples).background
+    cut, found = whole(aligned), {}
+    for views in samples:  # where a camera has picture is the same at all moments of a pose
         for view in views:
             if view.camera in agreed and view.camera not in found:
                 picture = cv2.cvtColor(agreed[view.camera], cv2.COLOR_LAB2BGR)
@@ -125,12 +124,12 @@ def usual_of(behind: Mapping[str, Seen]) -> dict[str, Usual]:
     return found
 
 
-def to_cut(scene: AlignedPose, camera: str, picture_size: tuple[int, int]) -> Array:
+def to_cut(aligned: AlignedPose, camera: str, picture_size: tuple[int, int]) -> NDArray[np.float64]:
     """3x3: pixel of a reduced picture of ``camera`` -> cut pixel. Halved by area: pixel i covers 2i and 2i + 1."""
-    cut = whole(scene)
-    x, y = (full / half for full, half in zip(scene.size, cut.size, strict=True))
+    cut = whole(aligned)
+    x, y = (full / half for full, half in zip(aligned.size, cut.size, strict=True))
     halved = np.array([[1 / x, 0, 0.5 / x - 0.5], [0, 1 / y, 0.5 / y - 0.5], [0, 0, 1]])
-    return halved @ scene.warp_of(camera, picture_size)
+    return halved @ aligned.warp_of(camera, picture_size)
 
 
 @frozen(eq=False)
@@ -199,14 +198,14 @@ def without(values: Float, columns: Sequence[int], flags: Sequence[str]) -> Floa
     return less
 
 
-def _log_ratios(picture: Picture) -> Float:
+def _log_ratios(picture: U8) -> Float:
     """(h, w, 3): log(R/G), log(B/G), log of the geometric mean of the three."""
     blue, green, red = cv2.split(cv2.LUT(picture, _LOGARITHMS))
     return cv2.merge([red - green, blue - green, (red + green + blue) / 3])  # pyright: ignore[reportReturnType]
 
 
 def _from_middle(shape: tuple[int, ...]) -> Float:
-    """(h, w, 1): 0 in the middle of the scene, 1 at the middle of each edge: the lamp is aimed at the field."""
+    """(h, w, 1): 0 in the middle of the aligned, 1 at the middle of each edge: the lamp is aimed at the field."""
     y, x = (np.linspace(-1, 1, side, dtype=np.float32) for side in shape[:2])
     return np.hypot(y[:, None], x[None])[..., None]
 

@@ -15,15 +15,18 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
-from mcsl_core import edl
-from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView, Picture
-from mcsl_core.documents import write_atomic
-from mcsl_core.errors import InputError
-from mcsl_core.imaging.geometry import size_at_columns
-from mcsl_core.occlusion.consensus import Cut
-from mcsl_core.progress import Progress
-from mcsl_core.recording.footage import Footage
-from mcsl_core.timing import FrameRange
+import mcsl_core as mcsl
+from mcsl_core.hooks import (
+    U8,
+    AlignedPose,
+    AlignedView,
+    Cut,
+    FrameRange,
+    InputError,
+    Progress,
+    size_at_columns,
+    write_atomic,
+)
 
 from .features import Seen, backgrounds, seen_of, to_cut, whole
 from .model import CLASSES
@@ -35,9 +38,9 @@ PAINT: Mapping[str, tuple[int, int, int]] = {
     "elsewhere": (255, 0, 0),
 }
 TOLERANCE = 40  # levels: what an editor's colour profile may do to a pure colour
-HEIGHT, COLUMNS = 360, 480  # of the pictures and of the scene that detectors see
+HEIGHT, COLUMNS = 360, 480  # of the pictures and of the aligned pose that detectors see
 STRETCH_S = 180.0  # a window in which a view's usual look is taken from
-MOMENTS = 40  # looks in a window
+SAMPLES = 40  # of a window
 FRAMES_A_WINDOW = 4
 COVERED = (0.9, 0.5, 0.75, 0.25)  # frames of a camera are taken where it is covered so much, by rank
 
@@ -61,49 +64,48 @@ class Marked:
 # ----------------------------------------------------------------------------------------------------- exporting
 
 
-def export(document: edl.Edl, base: Path, out: Path, *, frames: int, progress: Progress) -> list[Path]:
+def export(programme: mcsl.Programme, out: Path, *, frames: int, progress: Progress) -> list[Path]:
     """Writes about ``frames`` pictures of an analysed recording into ``out``, spread over cameras and poses.
 
-    base: the folder that the EDL's media paths are relative to. Returns the pictures written.
+    Returns the pictures written.
     """
-    windows = _windows(document)
+    windows = _windows(programme)
     if not windows:
-        raise InputError(
-            "has no pose in which two cameras are tied together", where=str(base), remedy="Analyse it again"
-        )
+        where = str(programme.folder)
+        raise InputError("has no pose in which two cameras are tied together", where=where, remedy="Analyse it again")
     wanted = min(len(windows), -(-frames // FRAMES_A_WINDOW))
     picked = [windows[i] for i in np.unique(np.linspace(0, len(windows) - 1, wanted).round().astype(int))]
-    footage = Footage(document.cameras, rate=document.rate, frames=document.frames, base=base)
+    footage = programme.footage
     progress.stage("Looking for frames to mark", len(picked), "stretches")
     written: list[Path] = []
-    for number, (pose, window) in enumerate(picked):
-        at = np.unique(np.linspace(window.start, window.stop - 1, min(MOMENTS, len(window))).astype(int)).tolist()
-        scene = _scene(document, pose)
-        pictures = {c: dict(footage.pictures(c, at, height=HEIGHT)) for c in scene.homographies}
-        moments = [scene.views({c: pictures[c][frame] for c in pictures}) for frame in at]
+    for number, (pose_index, window) in enumerate(picked):
+        at = np.unique(np.linspace(window.start, window.stop - 1, min(SAMPLES, len(window))).astype(int)).tolist()
+        aligned = _aligned(programme, pose_index)
+        pictures = {c: dict(footage.pictures(c, at, height=HEIGHT)) for c in aligned.homographies}
+        samples = [aligned.views({c: pictures[c][frame] for c in pictures}) for frame in at]
         left = len(picked) - number
         count = -(-(frames - len(written)) // left)
-        written += write_frames(out, scene, moments, at, count=count, first_camera=len(written))
+        written += write_frames(out, aligned, samples, at, count=count, first_camera=len(written))
         progress.advance(number + 1)
     return written
 
 
 def write_frames(
     out: Path,
-    scene: AlignedPose,
-    moments: Sequence[Sequence[AlignedView]],
+    aligned: AlignedPose,
+    samples: Sequence[Sequence[AlignedView]],
     frames: Sequence[int],
     *,
     count: int,
     first_camera: int = 0,
 ) -> list[Path]:
-    """Writes ``count`` frames of a stretch: camera after camera, each at moments that cover it more or less.
+    """Writes ``count`` frames of a stretch: camera after camera, each at samples that cover it more or less.
 
-    frames: the programme frame of each moment. first_camera: with whose turn to begin.
+    samples: the views of each. frames: their programme frames. first_camera: with whose turn to begin.
     """
-    behind, cut = backgrounds(scene, moments), whole(scene)
-    cameras = sorted({view.camera for views in moments for view in views})
-    covered = {c: _covered(c, moments, behind, cut) for c in cameras}
+    behind, cut = backgrounds(aligned, samples), whole(aligned)
+    cameras = sorted({view.camera for views in samples for view in views})
+    covered = {c: _covered(c, samples, behind, cut) for c in cameras}
     taken: set[tuple[str, int]] = set()
     written = []
     for turn in range(first_camera, first_camera + count):
@@ -114,14 +116,14 @@ def write_frames(
             continue
         position = int(ranked[round(COVERED[turn % len(COVERED)] * (len(ranked) - 1))])
         taken.add((camera, position))
-        view = next(v for v in moments[position] if v.camera == camera)
+        view = next(v for v in samples[position] if v.camera == camera)
         name = f"{frames[position]:07d}_{camera}"
         context: dict[str, NDArray] = {
             "camera": np.array(camera),
             "moment": np.array(f"{frames[position]}"),
-            "to_cut": to_cut(scene, camera, (view.picture.shape[1], view.picture.shape[0])),
+            "to_cut": to_cut(aligned, camera, (view.picture.shape[1], view.picture.shape[0])),
         }
-        for other, seen in seen_of(moments[position], cut).items():
+        for other, seen in seen_of(samples[position], cut).items():
             context |= {f"seen.{other}": seen.picture, f"inside.{other}": seen.inside}
         context |= {f"behind.{other}": still.picture for other, still in behind.items()}
         save_arrays(out / f"{name}.npz", context)
@@ -130,10 +132,10 @@ def write_frames(
     return written
 
 
-def _covered(camera: str, moments: Sequence[Sequence[AlignedView]], behind: Mapping[str, Seen], cut: Cut) -> NDArray:
-    """(moments,) how far the camera's picture is from its usual look, NaN without picture."""
-    found = np.full(len(moments), np.nan)
-    for i, views in enumerate(moments):
+def _covered(camera: str, samples: Sequence[Sequence[AlignedView]], behind: Mapping[str, Seen], cut: Cut) -> NDArray:
+    """(samples,) how far the camera's picture is from its usual look, NaN without picture."""
+    found = np.full(len(samples), np.nan)
+    for i, views in enumerate(samples):
         for view in views:
             if view.camera == camera:
                 off = cv2.absdiff(cut.picture(view.aligned), behind[camera].picture).max(axis=2)
@@ -141,13 +143,14 @@ def _covered(camera: str, moments: Sequence[Sequence[AlignedView]], behind: Mapp
     return found
 
 
-def _windows(document: edl.Edl) -> list[tuple[edl.Pose, FrameRange]]:
-    """Stretches in which the lamp stands, of `STRETCH_S` at most, with their pose."""
-    longest = max(1, round(STRETCH_S * float(document.rate)))
+def _windows(programme: mcsl.Programme) -> list[tuple[int, FrameRange]]:
+    """Stretches in which the lamp stands, of `STRETCH_S` at most, each with the index of its pose."""
+    edl = programme.edl
+    longest = max(1, round(STRETCH_S * float(edl.rate)))
     windows = []
-    for pose in document.poses:
+    for pose_index, pose in enumerate(edl.poses):
         start, stop = pose.range.start, pose.range.stop
-        for movement in document.movements:  # a pose begins and ends within movements
+        for movement in edl.movements:  # a pose begins and ends within movements
             if movement.range.start <= start < movement.range.stop:
                 start = movement.range.stop
             if movement.range.start < stop <= movement.range.stop:
@@ -155,15 +158,16 @@ def _windows(document: edl.Edl) -> list[tuple[edl.Pose, FrameRange]]:
         if stop - start < 1 or len(set(pose.homographies) - set(pose.weak_cameras)) < 2:
             continue
         edges = np.linspace(start, stop, max(1, round((stop - start) / longest)) + 1).round().astype(int)
-        windows += [(pose, FrameRange(int(a), int(b))) for a, b in zip(edges, edges[1:], strict=False)]
+        windows += [(pose_index, FrameRange(int(a), int(b))) for a, b in zip(edges, edges[1:], strict=False)]
     return windows
 
 
-def _scene(document: edl.Edl, pose: edl.Pose) -> AlignedPose:
-    sizes = {c.name: c.size for c in document.cameras}
-    size = size_at_columns(sizes[document.reference], COLUMNS)
+def _aligned(programme: mcsl.Programme, pose_index: int) -> AlignedPose:
+    edl, pose = programme.edl, programme.edl.poses[pose_index]
+    sizes = {c.name: c.size for c in edl.cameras}
+    size = size_at_columns(sizes[edl.reference], COLUMNS)
     tied = {c: np.array(h) for c, h in pose.homographies.items() if c not in pose.weak_cameras}
-    return AlignedPose(size, document.reference, tied, sizes, np.ones((size[1], size[0]), bool))
+    return AlignedPose(size, edl.reference, tied, sizes, np.ones((size[1], size[0]), bool))
 
 
 def save_arrays(path: Path, arrays: Mapping[str, NDArray]) -> None:
@@ -174,7 +178,7 @@ def save_arrays(path: Path, arrays: Mapping[str, NDArray]) -> None:
     write_atomic(path, stream.getvalue())
 
 
-def save_png(path: Path, picture: Picture) -> None:
+def save_png(path: Path, picture: U8) -> None:
     """cv2.imwrite fails silently on some paths."""
     write_atomic(path, cv2.imencode(".png", picture)[1].tobytes())
 
@@ -255,7 +259,7 @@ def read_png(path: Path) -> NDArray[np.uint8]:
     return image  # pyright: ignore[reportReturnType]
 
 
-def painting(labels: NDArray[np.int8]) -> Picture:
+def painting(labels: NDArray[np.int8]) -> U8:
     """(h, w, 3) BGR of labels: what somebody would have painted, on black."""
     colours = np.array([*(PAINT[name] for name in CLASSES), (0, 0, 0)], np.uint8)
     return colours[labels]

@@ -14,8 +14,7 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
-from mcsl_core.documents import write_atomic
-from mcsl_core.errors import InputError
+from mcsl_core.hooks import InputError, write_atomic
 
 from .features import NAMES, Float
 

@@ -11,8 +11,7 @@ from attrs import field, frozen
 from numpy.typing import NDArray
 
 from mcsl_core import __version__
-from mcsl_core.errors import InputError
-from mcsl_core.progress import Progress
+from mcsl_core.hooks import InputError, Progress
 
 from .features import AT, COLOURS, FROM_OTHERS, FROM_PAST, MOVED, NAMES, Float, features, usual_of, without
 from .labelling import Marked

@@ -9,7 +9,7 @@ import marking
 from mcsl_learned_occlusion.labelling import read_marked
 from mcsl_learned_occlusion.training import Training, train
 
-from mcsl_core.progress import Silent
+from mcsl_core.hooks import Silent
 
 
 def prepare(folder: Path) -> Mapping[str, str]:

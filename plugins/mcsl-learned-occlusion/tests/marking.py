@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from mcsl_learned_occlusion.labelling import PAINT, read_png, save_png, write_frames
 
-from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView
+from mcsl_core.hooks import AlignedPose, AlignedView
 
 SIZE = (480, 270)
 CAMERAS = ("cam1", "cam2", "cam3")

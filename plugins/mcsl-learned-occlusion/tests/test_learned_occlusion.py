@@ -20,9 +20,7 @@ from mcsl_learned_occlusion.training import Training, train
 
 from mcsl_core import edl
 from mcsl_core.analysis.cache import identity
-from mcsl_core.errors import InputError, UsageError
-from mcsl_core.hooks.registry import discover
-from mcsl_core.progress import Silent
+from mcsl_core.hooks import InputError, Silent, UsageError, discover
 from mcsl_core.simulation import Scenario, simulate
 
 SKIN = (55, 95, 165)  # a drape of the skin's hue: 11 of OpenCV's 180

@@ -1,7 +1,7 @@
 """Any segmentation network in ONNX as mcsl's occlusion detector: `--occlusion onnx`, the network by MCSL_ONNX_MODEL.
 
 The network is shown every camera's own picture, upright as the camera sees it; what it says is then laid into the
-scene. It may know the surgical field, or what is in the way of it, or both.
+aligned. It may know the surgical field, or what is in the way of it, or both.
 """
 
 from __future__ import annotations
@@ -16,10 +16,7 @@ import cv2
 import numpy as np
 from attrs import field, frozen
 
-from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView
-from mcsl_core.errors import UsageError
-from mcsl_core.hooks.specs import hookimpl
-from mcsl_core.imaging.masks import Mask, main_region
+from mcsl_core.hooks import AlignedPose, AlignedView, Mask, UsageError, hookimpl, main_region
 
 from .network import Map, Network
 
@@ -30,7 +27,7 @@ VARIABLE = "MCSL_ONNX_MODEL"
 class OnnxOcclusion:
     """The visible field by a segmentation network in ONNX. Named by the environment variable MCSL_ONNX_MODEL.
 
-    looks: so many moments of a stretch are shown to the network to find where its field lies. share: a place is the
+    looks: so many samples of a stretch are shown to the network to find where its field lies. share: a place is the
     field when so many of the views that reach it show the field there; hands hide it from some, most of the time.
     """
 
@@ -42,20 +39,20 @@ class OnnxOcclusion:
         """Loads the network, so that one that is missing or wrong is refused before any work is done."""
         chosen_network()
 
-    def scorer(self, scene: AlignedPose, moments: Sequence[Sequence[AlignedView]]) -> OnnxScorer:
+    def scorer(self, aligned: AlignedPose, samples: Sequence[Sequence[AlignedView]]) -> OnnxScorer:
         """A scorer for a stretch of a pose; of a network that knows the field, the field is where it says."""
         network = chosen_network()
-        scorer = OnnxScorer(network, scene, scene.field)
-        if not network.description.output.field or not len(moments):
+        scorer = OnnxScorer(network, aligned, aligned.field)
+        if not network.description.output.field or not len(samples):
             return scorer
-        shown = np.zeros(scene.field.shape, np.float32)
-        reached = np.zeros(scene.field.shape, np.float32)
-        for position in np.unique(np.linspace(0, len(moments) - 1, min(self.looks, len(moments))).astype(int)):
-            for view in moments[position]:
+        shown = np.zeros(aligned.field.shape, np.float32)
+        reached = np.zeros(aligned.field.shape, np.float32)
+        for position in np.unique(np.linspace(0, len(samples) - 1, min(self.looks, len(samples))).astype(int)):
+            for view in samples[position]:
                 shown += scorer.field(view)
                 reached += view.inside
         place = main_region((shown > self.share * reached) & (reached > 0))
-        return OnnxScorer(network, scene, place if place.any() else scene.field)
+        return OnnxScorer(network, aligned, place if place.any() else aligned.field)
 
     def __repr__(self) -> str:
         """With the network's fingerprint: results in the cache are those of this network."""
@@ -65,10 +62,10 @@ class OnnxOcclusion:
 
 @frozen(eq=False)
 class OnnxScorer:
-    """Scores moments of one stretch of a pose. place: (H, W), the field in scene pixels."""
+    """Scores samples of one stretch of a pose. place: (H, W), the field in scene pixels."""
 
     network: Network
-    scene: AlignedPose
+    aligned: AlignedPose
     place: Mask
 
     def score(self, views: Sequence[AlignedView]) -> Mapping[str, float]:
@@ -94,8 +91,8 @@ class OnnxScorer:
         return view.inside & self._laid(probability, view)
 
     def _laid(self, probability: Map, view: AlignedView) -> Mask:
-        warp = self.scene.warp_of(view.camera, (probability.shape[1], probability.shape[0]))
-        laid = cv2.warpPerspective(probability, warp, self.scene.size, flags=cv2.INTER_LINEAR)
+        warp = self.aligned.warp_of(view.camera, (probability.shape[1], probability.shape[0]))
+        laid = cv2.warpPerspective(probability, warp, self.aligned.size, flags=cv2.INTER_LINEAR)
         return laid >= self.network.description.output.threshold
 
 

@@ -12,8 +12,7 @@ from typing import Any
 import attrs
 from attrs import field, frozen
 
-from mcsl_core.documents import make_converter, structure_document
-from mcsl_core.errors import DocumentError, Fault, InputError
+from mcsl_core.hooks import DocumentError, Fault, InputError, make_converter, structure_document
 
 LAYOUTS = ("NCHW", "NHWC")
 COLOURS = ("RGB", "BGR")

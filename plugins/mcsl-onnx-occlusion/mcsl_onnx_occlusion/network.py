@@ -13,7 +13,7 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
-from mcsl_core.errors import InputError
+from mcsl_core.hooks import InputError
 
 from .description import Description, read_description
 

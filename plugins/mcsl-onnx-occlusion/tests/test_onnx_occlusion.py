@@ -11,13 +11,9 @@ import pytest
 from mcsl_onnx_occlusion.description import read_description
 from mcsl_onnx_occlusion.network import Network
 
-from mcsl_core.alignment.aligned_views import AlignedPose
+import mcsl_core as mcsl
 from mcsl_core.analysis.cache import identity
-from mcsl_core.analysis.pipeline import analyse
-from mcsl_core.analysis.settings import AnalysisSettings
-from mcsl_core.errors import DocumentError, InputError, UsageError
-from mcsl_core.hooks.registry import discover
-from mcsl_core.progress import Silent
+from mcsl_core.hooks import AlignedPose, DocumentError, InputError, Silent, UsageError, discover
 from mcsl_core.simulation import Scenario, simulate
 
 FIELD = '[output]\nmeaning = "sigmoid"\nfield = [0]\n'
@@ -234,12 +230,11 @@ def test_without_a_name_it_says_how_to_name_one(monkeypatch) -> None:
 def test_a_missing_network_is_told_before_any_work_is_done(tmp_path, monkeypatch) -> None:
     """Before the recording is even looked for."""
     monkeypatch.delenv(plugin.VARIABLE, raising=False)
-    settings = AnalysisSettings(stages={"occlusion": "onnx"})
-    nowhere, out = [tmp_path / "none"], tmp_path / "edl.json"
+    nowhere, out = tmp_path / "none", tmp_path / "edl.json"
     with pytest.raises(UsageError, match=r"mcsl-onnx-occlusion 0\.1\.0.*MCSL_ONNX_MODEL"):
-        analyse(nowhere, out, settings=settings, plugins=discover(), progress=Silent())
+        mcsl.analyse(nowhere, out, occlusion="onnx")
     with pytest.raises(InputError, match="does not exist"):
-        analyse(nowhere, out, settings=AnalysisSettings(), plugins=discover(), progress=Silent())
+        mcsl.analyse(nowhere, out)
 
 
 # ------------------------------------------------------------------------------------------------ the whole way
@@ -251,13 +246,8 @@ def test_a_whole_analysis_by_a_network_takes_cameras_that_see_the_field(tmp_path
     use(described(networks.reddish(tmp_path / "net.onnx", size=(320, 180)), FIELD))
     scenario = Scenario(seed=341, duration_s=24, size=(480, 270), rate=6, movements=0, audio=False, heads=4)
     truth = simulate(scenario, tmp_path / "recording", Silent())
-    made = analyse(
-        [tmp_path / "recording"],
-        tmp_path / "edl.json",
-        settings=AnalysisSettings(stages={"occlusion": "onnx"}, sync="none", cache=False),
-        plugins=discover(),
-        progress=Silent(),
-    )
+    settings = mcsl.AnalysisSettings(sync="none", cache=False)
+    made = mcsl.analyse(tmp_path / "recording", tmp_path / "edl.json", settings=settings, occlusion="onnx").edl
     assert made.made_by is not None
     assert made.made_by.plugins["occlusion"] == "onnx (mcsl-onnx-occlusion 0.1.0)"
     seen = truth.visible_field

@@ -14,11 +14,7 @@ from pathlib import Path
 import attrs
 from attrs import field, frozen
 
-from mcsl_core.edl import Shot
-from mcsl_core.errors import InputError
-from mcsl_core.hooks.specs import hookimpl
-from mcsl_core.occlusion.score_table import ScoreTable
-from mcsl_core.selection.selectors import sample_borders, shots_from
+from mcsl_core.hooks import InputError, ScoreTable, Shot, hookimpl, sample_borders, shots_from
 
 from .planning import best_path
 from .style import CALM, CLOSE, TEACHING, Style, costs_of

@@ -12,9 +12,7 @@ import numpy as np
 from attrs import field, frozen, validators
 from numpy.typing import NDArray
 
-from mcsl_core.errors import UsageError
-from mcsl_core.occlusion.score_table import ScoreTable
-from mcsl_core.selection.selectors import worth
+from mcsl_core.hooks import ScoreTable, UsageError, worth
 
 FIRST = "first"  # as the preferred camera: the recording's first, which is its reference by default
 

@@ -16,10 +16,7 @@ from mcsl_switching_style import CALM, CLOSE, TEACHING, OwnStyle, Style, StyleSe
 from mcsl_switching_style.planning import best_path
 from mcsl_switching_style.style import costs_of
 
-from mcsl_core.errors import InputError, UsageError
-from mcsl_core.hooks.registry import discover
-from mcsl_core.occlusion.score_table import ScoreTable
-from mcsl_core.selection.selectors import sample_borders
+from mcsl_core.hooks import InputError, ScoreTable, UsageError, discover, sample_borders
 
 RATE = 10
 

