@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from mcsl_core.edl import Edl
 from mcsl_core.edl.placement import first_of_perspective, placement_matrix, still_range
 from mcsl_core.filling.median_grid import first_grid_frames, grid_step
-from mcsl_core.imaging.geometry import Homography, translation
+from mcsl_core.imaging.geometry import Homography, scaling, translation
 from mcsl_core.imaging.planes import U8
 from mcsl_core.imaging.warp import WarpField
 from mcsl_core.recording.footage import Footage
@@ -101,7 +101,7 @@ class Parallax:
         to_canvas = self._canvas() @ programme_matrix(edl, pose, camera)
         if self._scale < 1:  # area average first: a warp alone would alias
             size = (max(2, round(luma.shape[1] * self._scale)), max(2, round(luma.shape[0] * self._scale)))
-            to_canvas = to_canvas @ _enlarging(size, (luma.shape[1], luma.shape[0]))
+            to_canvas = to_canvas @ scaling(size, (luma.shape[1], luma.shape[0]))
             luma = np.asarray(cv2.resize(luma, size, interpolation=cv2.INTER_AREA), np.uint8)
         size = tuple(round(v * self._scale * (1 + 2 * _MARGIN)) for v in edl.size)
         seen = cv2.warpPerspective(np.full_like(luma, 255), to_canvas, size, flags=cv2.INTER_NEAREST)
@@ -111,12 +111,6 @@ class Parallax:
         """Programme pixel -> pixel of the pictures compared."""
         width, height = self._edl.size
         return np.diag([self._scale, self._scale, 1.0]) @ translation(_MARGIN * width, _MARGIN * height)
-
-
-def _enlarging(small: tuple[int, int], large: tuple[int, int]) -> Homography:
-    """A reduced picture's pixel -> the large one's, pixel centres at integers."""
-    x, y = (b / a for a, b in zip(small, large, strict=True))
-    return np.array([[x, 0, (x - 1) / 2], [0, y, (y - 1) / 2], [0, 0, 1]])
 
 
 def residual_parallax(guide: U8, guide_seen: U8, picture: U8, picture_seen: U8, sigma_px: float) -> Values | None:

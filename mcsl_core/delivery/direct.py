@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
 
 from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.edl import Edl
 from mcsl_core.filling.protocol import Filler
-from mcsl_core.imaging.planes import Planes, resize_planes
+from mcsl_core.imaging.planes import resize_planes
 from mcsl_core.imaging.warp import Resampling
 from mcsl_core.media.writing import Encoding, VideoWriter
 from mcsl_core.progress import Progress, Silent
@@ -17,21 +16,6 @@ from mcsl_core.recording.footage import footage_of
 from mcsl_core.timing import FrameRange
 
 from .audio import AUDIO_RATE, sound_of
-
-# ---------------------------------------------------------------------------------------------------------- direct
-
-
-def programme_frames(
-    edl: Edl,
-    base: Path,
-    piece: FrameRange | None = None,
-    *,
-    filler: Filler | None = None,
-    resampling: Resampling = "linear",
-) -> Iterator[Planes]:
-    """The programme's pictures over ``piece`` (all of it without), one after another, in flat memory."""
-    with Compositor(edl, footage_of(edl, base, threads=0), filler=filler, resampling=resampling) as compositor:
-        yield from compositor.frames(piece or FrameRange(0, edl.frames))
 
 
 def write_direct(
