@@ -11,7 +11,7 @@ over 1/96 of the width; beyond their overlap it goes on as near it.
 from __future__ import annotations
 
 import os
-from collections import OrderedDict
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from threading import Lock
 from typing import Any
@@ -26,6 +26,7 @@ from mcsl_core.filling.median_grid import first_grid_frames, grid_step
 from mcsl_core.imaging.geometry import Homography, scaling, translation
 from mcsl_core.imaging.planes import U8
 from mcsl_core.imaging.warp import WarpField
+from mcsl_core.lru_cache import LruCache
 from mcsl_core.recording.footage import Footage
 
 from .placement import programme_matrix
@@ -41,7 +42,7 @@ _CONTRAST = 40.0  # what surroundings are levelled to
 _UNLIKE = 0.67 * _CONTRAST  # mean difference after bending; pictures of one scene: 0.28 to 0.64, unrelated: 0.7 on
 _NODE = 4  # compared pixels between nodes
 _LOCAL = 12.0  # sigma of the surroundings whose brightness and contrast are taken out, compared pixels
-_KEPT = 64  # warp fields, 80 kB each
+_KEPT_BYTES = 5_000_000  # of warp fields, 80 kB each
 
 Values = NDArray[np.float32]
 
@@ -53,19 +54,14 @@ class Parallax:
         self._edl, self._footage = edl, footage
         self._scale = min(1.0, _WIDTH / edl.size[0])
         self._lock = Lock()
-        self._kept: OrderedDict[tuple[int, str], WarpField | None] = OrderedDict()
+        self._fields: LruCache[Mapping[str, WarpField | None]] = LruCache(_KEPT_BYTES)
 
     def of(self, pose_index: int, camera: str) -> WarpField | None:
         """For the picture of ``camera`` in that pose; None where it lies right, or nothing says how it lies."""
-        key = pose_index, camera
         with self._lock:  # one pose at a time: others would wait for the same pictures
-            if key not in self._kept:
-                self._kept |= self._of_pose(pose_index)
-                while len(self._kept) > _KEPT:
-                    self._kept.popitem(last=False)
-            return self._kept.get(key)
+            return self._fields.get(pose_index, lambda: self._of_pose(pose_index)).get(camera)
 
-    def _of_pose(self, pose_index: int) -> dict[tuple[int, str], WarpField | None]:
+    def _of_pose(self, pose_index: int) -> Mapping[str, WarpField | None]:
         """Of all cameras whose place is known, side by side: whoever asks for one asks for most."""
         pose = self._edl.poses[pose_index]
         names = [
@@ -73,7 +69,7 @@ class Parallax:
         ]
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             found = list(pool.map(lambda name: self._found(pose_index, name), names))
-        return {(pose_index, name): warp_field for name, warp_field in zip(names, found, strict=True)}
+        return dict(zip(names, found, strict=True))
 
     def _found(self, pose_index: int, camera: str) -> WarpField | None:
         base = first_of_perspective(self._edl, pose_index)
