@@ -19,6 +19,7 @@ from attrs import frozen
 from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.compositing.parallax import Parallax
 from mcsl_core.edl import Edl
+from mcsl_core.edl.dependencies import views_of
 from mcsl_core.edl.resolve import resolve_by_pose
 from mcsl_core.errors import Cancelled, UsageError
 from mcsl_core.filling.footprint import FootprintFiller
@@ -28,7 +29,7 @@ from mcsl_core.progress import Progress, Silent
 from mcsl_core.recording.footage import footage_of
 
 from .audio import sound_key, sound_of, write_wav
-from .chunk_keys import Chunk, cameras_of, is_chunk, media_fingerprints, plan_chunks
+from .chunk_keys import Chunk, is_chunk, media_fingerprints, plan_chunks
 from .quality import STANDARD, Quality, as_good_as
 
 _STALE_S = 3600
@@ -112,7 +113,9 @@ def _sweep(out: Path) -> None:
 
 def _tell_of_changed_media(edl: Edl, base: Path, progress: Progress) -> None:
     needed = {
-        name for _, decision, number in resolve_by_pose(edl) for name in cameras_of(edl, edl.poses[number], decision)
+        view.camera.name
+        for _, decision, number in resolve_by_pose(edl)
+        for view in views_of(edl, edl.poses[number], decision)
     }
     for camera in (camera for camera in edl.cameras if camera.name in needed):
         for media, now in zip(camera.media, media_fingerprints(camera, base), strict=True):

@@ -19,7 +19,7 @@ from .occluders import Occluders, find_occluders
 from .protocol import FillContext
 from .sources import Source, faded, missing, sets_of
 
-_PLANS_BYTES = 96_000_000  # of plans, 5 to 20 MB each at 1080p: a handful of geometries, and one a conforming thread
+_PLANS_BYTES = 200  # of plans, a pixel of the programme: 400 MB at 1080p, for 8 of 50 MB, one a conforming thread
 
 
 class FootprintFiller:
@@ -38,7 +38,7 @@ class FootprintFiller:
 
     def __init__(self, feather_px: float = 24.0) -> None:
         self.feather_px = feather_px
-        self._plans: LruCache[FillPlan] = LruCache(_PLANS_BYTES)
+        self._plans: LruCache[FillPlan] | None = None
 
     def fill(self, context: FillContext) -> Planes:
         absent: frozenset[Source] = frozenset()
@@ -60,6 +60,8 @@ class FootprintFiller:
         return out
 
     def _planned(self, context: FillContext, absent: frozenset[Source]) -> FillPlan:
+        if self._plans is None:
+            self._plans = LruCache(_PLANS_BYTES * context.size[0] * context.size[1])
         return self._plans.get((context.geometry, absent), lambda: plan_layers(context, absent, self.feather_px))
 
 

@@ -30,7 +30,8 @@ from pathlib import Path
 import av
 import numpy as np
 
-sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
+sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parent))
 import chroot
 from chroot import DOOR, Bound
 from pictures import psnr

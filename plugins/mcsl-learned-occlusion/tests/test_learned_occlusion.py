@@ -19,7 +19,7 @@ from mcsl_learned_occlusion.model import CLASSES, Model
 from mcsl_learned_occlusion.training import Training, train
 
 from mcsl_core import edl
-from mcsl_core.analysis.cache import identity
+from mcsl_core.analysis.stage_keys import identity
 from mcsl_core.errors import InputError, UsageError
 from mcsl_core.hooks.registry import discover
 from mcsl_core.progress import Silent

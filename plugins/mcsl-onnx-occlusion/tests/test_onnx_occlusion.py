@@ -12,9 +12,9 @@ from mcsl_onnx_occlusion.description import read_description
 from mcsl_onnx_occlusion.network import Network
 
 from mcsl_core.alignment.aligned_views import AlignedPose
-from mcsl_core.analysis.cache import identity
 from mcsl_core.analysis.pipeline import analyse
 from mcsl_core.analysis.settings import AnalysisSettings
+from mcsl_core.analysis.stage_keys import identity
 from mcsl_core.errors import DocumentError, InputError, UsageError
 from mcsl_core.hooks.registry import discover
 from mcsl_core.progress import Silent

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcsl_core.analysis.pipeline import gaze_places
 from mcsl_core.centering.field import FieldCenterer, field_middle
 from mcsl_core.centering.gaze import Gaze, fixations, read_gaze
+from mcsl_core.centering.places import gaze_places
 from mcsl_core.centering.protocol import FieldPlace
 from mcsl_core.edl import IDENTITY, Camera, Correction, Edl, Media, Override, Pose, Shot
 from mcsl_core.edl.resolve import ACCELERATION, offset_at, resolve, shift_at
