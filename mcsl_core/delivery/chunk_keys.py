@@ -155,10 +155,10 @@ class _Facts:
 
     def __init__(self, edl: Edl, base: Path) -> None:
         self.edl, self.base = edl, base
-        self._files, self._beside = cache(self._files_now), cache(self._beside_now)
-        self._filled, self._fixed, self._bounds = (
-            cache(self._filled_now),
-            cache(self._fixed_now),
+        self._fixed, self._filled = cache(self._fixed_now), cache(self._filled_now)
+        self._files, self._beside, self._bounds = (
+            cache(self._files_now),
+            cache(self._beside_now),
             cache(self._bounds_now),
         )
 

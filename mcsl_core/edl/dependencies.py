@@ -2,7 +2,7 @@
 
 Said once, for whoever asks whether a picture that was made still holds: the keys of conformed chunks
 (`delivery.chunk_keys`, which add what only the files tell) and the add-on (`blender_addon/core/stale.py`). Over each
-stretch of `resolve_by_pose` all frames depend on the same, but for the centering. Plain values, no numpy, since Blender's
+stretch of `resolve_by_pose` all frames depend on the same, but for the centering. Plain values, no numpy: Blender's
 side uses it too.
 """
 
