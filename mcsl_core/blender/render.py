@@ -13,9 +13,10 @@ from mcsl_core import edl as edls
 from mcsl_core.blender import installation as blenders
 from mcsl_core.delivery import presets
 from mcsl_core.delivery.conform import Conformed, conform, default_folder
-from mcsl_core.delivery.direct import write_direct
+from mcsl_core.delivery.direct import VideoFormat, write_direct
 from mcsl_core.delivery.presets import Preset
 from mcsl_core.delivery.quality import Quality, quality_named
+from mcsl_core.delivery.source import ProgrammeSource
 from mcsl_core.edl import Edl
 from mcsl_core.errors import InputError, UsageError
 from mcsl_core.filling.provenance import ShowProvenance
@@ -72,8 +73,8 @@ def render(
         _direct(edl, edl_path, out, kind, pictures, show_origin, progress)
         return out
     folder = default_folder(edl_path)
-    filler = filler_of(edl, progress)
-    done = conform(edl, edl_path.parent, folder, filler=filler, jobs=jobs, quality=pictures, progress=progress)
+    programme = ProgrammeSource(edl, edl_path.parent, filler_of(edl, progress))
+    done = conform(programme, folder, jobs=jobs, quality=pictures, progress=progress)
     if source.suffix == ".blend":
         _put_in_place("refresh", edl_path, source, done, kind, found, progress)
         _in_blender(source, out, kind, found, progress)
@@ -118,18 +119,11 @@ def _direct(
     edl: Edl, edl_path: Path, out: Path, kind: Preset, pictures: Quality, show_origin: bool, progress: Progress
 ) -> None:
     filler = filler_of(edl, progress)
-    write_direct(
-        edl,
-        edl_path.parent,
-        out,
-        encoding=encoding_of(kind),
-        size=kind.scaled(edl.size),
-        audio_channels=AUDIO_CHANNELS,
-        keyframe_interval=kind.direct.gop,
-        filler=ShowProvenance(filler, [c.name for c in edl.cameras]) if show_origin else filler,
-        resampling=pictures.resampling,
-        progress=progress,
+    filler = ShowProvenance(filler, [c.name for c in edl.cameras]) if show_origin else filler
+    video = VideoFormat(
+        encoding_of(kind), kind.scaled(edl.size), kind.direct.gop, AUDIO_CHANNELS, resampling=pictures.resampling
     )
+    write_direct(ProgrammeSource(edl, edl_path.parent, filler), out, video=video, progress=progress)
 
 
 def _put_in_place(

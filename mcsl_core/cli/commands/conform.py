@@ -29,21 +29,14 @@ def conform(session: Session, edl: Path, out: Path | None, quality: str, jobs: i
     from mcsl_core.blender.timeline import piece_of
     from mcsl_core.delivery import conform as conforming
     from mcsl_core.delivery.quality import quality_named
+    from mcsl_core.delivery.source import ProgrammeSource
     from mcsl_core.hooks.registry import filler_of
 
     kind, decided = quality_named(quality), edls.load(edl)
     folder = out or conforming.default_folder(edl)
     with session.progress() as progress:
-        done = conforming.conform(
-            decided,
-            edl.parent,
-            folder,
-            filler=filler_of(decided, progress),
-            jobs=jobs,
-            prune=prune,
-            quality=kind,
-            progress=progress,
-        )
+        source = ProgrammeSource(decided, edl.parent, filler_of(decided, progress))
+        done = conforming.conform(source, folder, jobs=jobs, prune=prune, quality=kind, progress=progress)
     session.result(
         {
             "folder": str(folder),
