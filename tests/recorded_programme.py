@@ -37,6 +37,7 @@ SIZE, CAMERA_SIZE = (128, 96), (160, 120)
 RATE = Fraction(10)
 FRAMES = 64
 LOSSLESS = Encoding(options={"preset": "ultrafast", "qp": "0"}, audio_codec="flac", audio_options={})
+RAISED_PX = {"a": 0.0, "b": 5.0, "c": -4.0}  # how far beside its place each camera sees what lies above the plane
 SHOWN = (2, 17, 24, 40, 61)  # centering still and moving, by hand, in the other pose, in a camera's gap
 
 # kind -> the look, the filler and the resampling it is made with
@@ -107,14 +108,20 @@ def _rows(matrix: NDArray[np.float64]):
 
 
 def write_media(folder: Path) -> None:
-    """Three lossless films of one scene, each from its own side, with a bar that moves; the first with a tone."""
+    """Three lossless films of one scene with a cloth above it, each from its own side; the first has a tone."""
     rng = np.random.default_rng(11)
     scene = cv2.resize(rng.integers(40, 216, (24, 32, 3)).astype(np.uint8), (320, 240), interpolation=cv2.INTER_CUBIC)
+    cloth = np.zeros_like(scene)
+    texture = rng.integers(60, 250, (12, 12, 3)).astype(np.uint8)
+    cloth[80:170, 150:260] = cv2.resize(texture, (110, 90), interpolation=cv2.INTER_LINEAR)
     at = np.arange(FRAMES * 4800)
     tone = (0.5 * np.sin(2 * np.pi * (200 + at / 300) * at / 48000)).astype(np.float32)
     for name, place in PLACES.items():
         way = np.linalg.inv(place) @ np.array([[1, 0, -96.0], [0, 1, -72.0], [0, 0, 1]])
         view = cv2.warpPerspective(scene, way, CAMERA_SIZE, flags=cv2.INTER_CUBIC)
+        raised = way @ np.array([[1, 0, RAISED_PX[name]], [0, 1, 0], [0, 0, 1]])
+        above = cv2.warpPerspective(cloth, raised, CAMERA_SIZE, flags=cv2.INTER_CUBIC)
+        view = np.where(above.max(axis=2, keepdims=True) > 30, above, view)
         sound = 48000 if name == "a" else None
         path = folder / f"{name}.mkv"
         with VideoWriter(path, size=CAMERA_SIZE, rate=RATE, encoding=LOSSLESS, audio_rate=sound) as writer:

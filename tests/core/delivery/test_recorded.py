@@ -14,7 +14,7 @@ import recorded_programme
 from numpy.typing import NDArray
 from recorded_programme import KINDS, RECORD, made, numbers, write_media
 
-from mcsl_core.compositing import camera_warper
+from mcsl_core.compositing import parallax
 from mcsl_core.filling.footprint import FootprintFiller
 
 AGAIN = "PYTHONPATH=. python tests/recorded_programme.py"
@@ -80,11 +80,11 @@ FILLED = KINDS["footprint"][0]
 @pytest.mark.parametrize(
     ("module", "name", "value"),
     [
-        (camera_warper, "_EDGE", 1 / 10),
+        (parallax, "_LEAST_AGREEMENT", 2),  # so that no flow is good enough
         (recorded_programme, "KINDS", {"footprint": (FILLED, FootprintFiller(18), "linear")}),
         (recorded_programme, "KINDS", {"footprint": (attrs.evolve(FILLED, colour=False), FootprintFiller(), "linear")}),
     ],
-    ids=["edge", "feather", "colour"],
+    ids=["parallax", "feather", "colour"],
 )
 def test_a_change_is_seen(module, name, value, folder, now, monkeypatch) -> None:
     monkeypatch.setattr(module, name, value)
