@@ -31,6 +31,7 @@ from benchmarks.speed import CLIP_S, RATE, RESULTS, SIZE
 from mcsl_core.alignment.colour_match import as_matrix
 from mcsl_core.delivery.conform import conform
 from mcsl_core.delivery.quality import STANDARD
+from mcsl_core.delivery.source import ProgrammeSource
 from mcsl_core.edl import Camera, Edl, Look, Media, Pose, Shot
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import Scenario, simulate
@@ -117,7 +118,7 @@ def child(kind: str, clip: Path, seconds: float) -> None:
             frames = sum(transcode(clip / media.path, Path(out) / "out.mp4") for media in edl.cameras[1].media)
         else:
             frames = edl.frames
-            conform(edl, clip, Path(out))
+            conform(ProgrammeSource(edl, clip), Path(out))
         figures = {
             "wall_ms": 1000 * (time.monotonic() - wall) / frames,
             "cpu_ms": 1000 * (time.process_time() - cpu) / frames,

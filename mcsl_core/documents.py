@@ -88,99 +88,104 @@ def key_path(name: str) -> str:
 def make_converter() -> cattrs.Converter:
     """A converter that takes nothing on trust: no silent int("3"), no unknown keys, no missing ones."""
     converter = cattrs.Converter(forbid_extra_keys=True, detailed_validation=True)
-
-    def exact(kind: type, words: str):
-        def structure(value: Any, _: Any) -> Any:
-            if isinstance(value, bool) != (kind is bool) or not isinstance(value, kind):
-                raise Fault(f"expected {words}, got {_short(value)}")
-            return value
-
-        return structure
-
-    def number(value: Any, _: Any) -> float:
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise Fault(f"expected a number, got {_short(value)}")
-        try:
-            result = float(value)
-        except OverflowError:
-            result = math.inf
-        if not math.isfinite(result):
-            raise Fault(f"expected a finite number, got {_short(value)}")
-        return result
-
-    whole = exact(int, "a whole number")
-    text = exact(str, "a text")
-
-    def frame_range(value: Any, _: Any) -> FrameRange:
-        if not isinstance(value, list | tuple) or len(value) != 2:
-            raise Fault(f"expected a range [start, stop], got {_short(value)}")
-        return FrameRange(*_each(value, [int, int], lambda item, _: whole(item, int), FrameRange))
-
-    converter.register_structure_hook(int, whole)
-    converter.register_structure_hook(bool, exact(bool, "true or false"))
-    converter.register_structure_hook(str, text)
-    converter.register_structure_hook(float, number)
-    converter.register_structure_hook(FrameRange, frame_range)
+    converter.register_structure_hook(int, lambda value, _: _whole(value))
+    converter.register_structure_hook(bool, lambda value, _: _exact(value, bool, "true or false"))
+    converter.register_structure_hook(str, lambda value, _: _exact(value, str, "a text"))
+    converter.register_structure_hook(float, lambda value, _: _number(value))
+    converter.register_structure_hook(FrameRange, lambda value, _: _frame_range(value))
     converter.register_unstructure_hook(FrameRange, lambda r: [r.start, r.stop])
-    converter.register_structure_hook(Fraction, lambda value, _: parse_rate(text(value, str)))
+    converter.register_structure_hook(Fraction, lambda value, _: parse_rate(_exact(value, str, "a text")))
     converter.register_unstructure_hook(Fraction, format_rate)
-
-    def tuple_hook(cls: Any):
-        kinds = get_args(cls)
-        homogeneous = len(kinds) == 2 and kinds[1] is Ellipsis
-
-        def structure(value: Any, _: Any) -> Any:
-            if not isinstance(value, list | tuple):
-                raise Fault(f"expected a list, got {_short(value)}")
-            wanted = [kinds[0]] * len(value) if homogeneous else kinds
-            if len(wanted) != len(value):
-                raise Fault(f"expected {len(wanted)} values, got {len(value)}")
-            return tuple(_each(value, wanted, converter.structure, cls))
-
-        return structure
-
-    def mapping_hook(cls: Any):
-        kind = (get_args(cls) or (str, Any))[1]
-
-        def structure(value: Any, _: Any) -> Any:
-            if not isinstance(value, Mapping):
-                raise Fault(f"expected an object, got {_short(value)}")
-            items = _each(value.values(), [kind] * len(value), converter.structure, cls, names=list(value))
-            return dict(zip(value, items, strict=True))
-
-        return structure
-
-    def class_hook(cls: Any):
-        plain = make_dict_structure_fn(cls, converter, _cattrs_forbid_extra_keys=True)
-
-        def structure(value: Any, kind: Any) -> Any:
-            if not isinstance(value, Mapping):
-                raise Fault(f"expected an object, got {_short(value)}")
-            return plain(value, kind)
-
-        return structure
-
-    def class_to_json(cls: Any):
-        leave_out = {f.name: override(omit_if_default=True) for f in attrs.fields(cls) if f.metadata.get("optional")}
-        return make_dict_unstructure_fn(cls, converter, **cast(Any, leave_out))
-
-    def is_tuple(cls: Any) -> bool:
-        return get_origin(cls) is tuple
-
-    def is_mapping(cls: Any) -> bool:
-        kind = get_origin(cls) or cls
-        return isinstance(kind, type) and issubclass(kind, Mapping)
 
     # Mappings have no order of their own: sorted, so that equal values give equal bytes.
     def mapping_to_json(value: Mapping[str, Any]) -> dict[str, Any]:
         return {name: converter.unstructure(value[name]) for name in sorted(value)}
 
-    converter.register_structure_hook_factory(is_tuple, tuple_hook)
-    converter.register_structure_hook_factory(is_mapping, mapping_hook)
-    converter.register_structure_hook_factory(attrs.has, class_hook)
-    converter.register_unstructure_hook_func(is_mapping, mapping_to_json)
+    def class_to_json(cls: Any):
+        leave_out = {f.name: override(omit_if_default=True) for f in attrs.fields(cls) if f.metadata.get("optional")}
+        return make_dict_unstructure_fn(cls, converter, **cast(Any, leave_out))
+
+    converter.register_structure_hook_factory(_is_tuple, lambda cls: _tuple_hook(cls, converter))
+    converter.register_structure_hook_factory(_is_mapping, lambda cls: _mapping_hook(cls, converter))
+    converter.register_structure_hook_factory(attrs.has, lambda cls: _class_hook(cls, converter))
+    converter.register_unstructure_hook_func(_is_mapping, mapping_to_json)
     converter.register_unstructure_hook_factory(attrs.has, class_to_json)
     return converter
+
+
+def _exact(value: Any, kind: type, words: str) -> Any:
+    if isinstance(value, bool) != (kind is bool) or not isinstance(value, kind):
+        raise Fault(f"expected {words}, got {_short(value)}")
+    return value
+
+
+def _whole(value: Any) -> int:
+    return _exact(value, int, "a whole number")
+
+
+def _number(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise Fault(f"expected a number, got {_short(value)}")
+    try:
+        result = float(value)
+    except OverflowError:
+        result = math.inf
+    if not math.isfinite(result):
+        raise Fault(f"expected a finite number, got {_short(value)}")
+    return result
+
+
+def _frame_range(value: Any) -> FrameRange:
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        raise Fault(f"expected a range [start, stop], got {_short(value)}")
+    return FrameRange(*_each(value, [int, int], lambda item, _: _whole(item), FrameRange))
+
+
+def _is_tuple(cls: Any) -> bool:
+    return get_origin(cls) is tuple
+
+
+def _is_mapping(cls: Any) -> bool:
+    kind = get_origin(cls) or cls
+    return isinstance(kind, type) and issubclass(kind, Mapping)
+
+
+def _tuple_hook(cls: Any, converter: cattrs.Converter):
+    kinds = get_args(cls)
+    homogeneous = len(kinds) == 2 and kinds[1] is Ellipsis
+
+    def structure(value: Any, _: Any) -> Any:
+        if not isinstance(value, list | tuple):
+            raise Fault(f"expected a list, got {_short(value)}")
+        wanted = [kinds[0]] * len(value) if homogeneous else kinds
+        if len(wanted) != len(value):
+            raise Fault(f"expected {len(wanted)} values, got {len(value)}")
+        return tuple(_each(value, wanted, converter.structure, cls))
+
+    return structure
+
+
+def _mapping_hook(cls: Any, converter: cattrs.Converter):
+    kind = (get_args(cls) or (str, Any))[1]
+
+    def structure(value: Any, _: Any) -> Any:
+        if not isinstance(value, Mapping):
+            raise Fault(f"expected an object, got {_short(value)}")
+        items = _each(value.values(), [kind] * len(value), converter.structure, cls, names=list(value))
+        return dict(zip(value, items, strict=True))
+
+    return structure
+
+
+def _class_hook(cls: Any, converter: cattrs.Converter):
+    plain = make_dict_structure_fn(cls, converter, _cattrs_forbid_extra_keys=True)
+
+    def structure(value: Any, kind: Any) -> Any:
+        if not isinstance(value, Mapping):
+            raise Fault(f"expected an object, got {_short(value)}")
+        return plain(value, kind)
+
+    return structure
 
 
 def _short(value: Any) -> str:

@@ -67,12 +67,6 @@ class MediaError(InputError):
     """A media file cannot be opened, decoded, or ends before it should."""
 
 
-class AlignmentError(McslError):
-    """Views cannot be tied together."""
-
-    exit_code = 4
-
-
 class PluginError(McslError):
     """A plugin raised or returned something it may not; the message names it with package and version."""
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
-from math import floor
 from operator import index
 from typing import TypeVar
 
@@ -39,16 +38,6 @@ def parse_rate(text: str) -> Fraction:
 def format_rate(rate: Fraction) -> str:
     """The canonical spelling: lowest terms, ``"25"`` rather than ``"25/1"``."""
     return str(rate)
-
-
-def frame_at(time_s: Fraction, rate: Fraction) -> int:
-    """The frame shown at ``time_s``: the latest whose time n / rate has come."""
-    return floor(time_s * rate)
-
-
-def time_of(frame: int, rate: Fraction) -> Fraction:
-    """The time in seconds at which ``frame`` begins to be shown."""
-    return Fraction(frame) / rate
 
 
 def format_time(time_s: float | Fraction) -> str:

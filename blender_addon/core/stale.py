@@ -22,9 +22,9 @@ from typing import Any
 from attrs import frozen
 
 from mcsl_core.documents import canonical_json
-from mcsl_core.edl import Edl, Pose
-from mcsl_core.edl.placement import placement_matrix
-from mcsl_core.edl.resolve import Decision, resolve
+from mcsl_core.edl import Edl
+from mcsl_core.edl.dependencies import View, views_of
+from mcsl_core.edl.resolve import Decision, resolve_by_pose
 from mcsl_core.timing import FrameRange, merge_equal
 
 Basis = tuple[tuple[FrameRange, str], ...]  # tiles the programme
@@ -35,24 +35,17 @@ def basis_of(edl: Edl) -> Basis:
     common = _digest([str(edl.rate), list(edl.size), edl.reference, _filler(edl)])
     centering = _digest([list(key) for key in edl.centering])
     views: dict[Any, str] = {}
-
-    def view(number: int, pose: Pose, decision: Decision) -> str:
-        key = (number, None if decision.fill else decision.camera, decision.colour)
-        if key not in views:
-            views[key] = _digest(_view(edl, pose, decision))
-        return views[key]
-
     pieces = []
-    for stretch, decision in resolve(edl):
+    for span, decision, number in resolve_by_pose(edl):
         centre: Any = centering if decision.centering else None
         if decision.centering and decision.offset is not None:
             centre = list(decision.offset)
-        for number, pose in enumerate(edl.poses):
-            if (span := stretch.intersection(pose.range)) is None:
-                continue
-            facts = [common, decision.camera, centre, decision.fill, decision.colour, view(number, pose, decision)]
-            for part, eases in _eased(span, decision):  # a centre by hand glides in and out; between, it stands
-                pieces.append((part, _digest([*facts, centering, eases] if eases else facts)))
+        key = (number, decision.camera, decision.fill, decision.colour)
+        if key not in views:
+            views[key] = _digest([_source(view) for view in views_of(edl, edl.poses[number], decision)])
+        facts = [common, decision.camera, centre, decision.fill, decision.colour, views[key]]
+        for part, eases in _eased(span, decision):  # a centre by hand glides in and out; between, it stands
+            pieces.append((part, _digest([*facts, centering, eases] if eases else facts)))
     return tuple(merge_equal(pieces))
 
 
@@ -66,19 +59,12 @@ def _eased(span: FrameRange, decision: Decision) -> list[tuple[FrameRange, str]]
     return [(part, "".join(repr(e) for e in near if e.range.intersection(part))) for part in parts]
 
 
-def _view(edl: Edl, pose: Pose, decision: Decision) -> list[Any]:
-    """Where the pictures of a pose come from: with fill all cameras take part, else the shot's and the reference."""
-    facts = []
-    for camera in edl.cameras:
-        if not decision.fill and camera.name not in (decision.camera, edl.reference):
-            continue
-        place = placement_matrix(edl, pose, camera.name)
-        colour = pose.colour[camera.name].matrix if decision.colour and camera.name in pose.colour else None
-        media = [[media.path, media.frames, media.fingerprint] for media in camera.media]
-        clock = [camera.clock.offset_s, camera.clock.drift_ppm]
-        gaps = [[gap.start, gap.stop] for gap in camera.gaps]
-        facts.append([camera.name, media, list(camera.size), str(camera.rate), clock, gaps, place, colour])
-    return facts
+def _source(view: View) -> list[Any]:
+    """One camera's part: its files as the EDL names them, on its clock, where they lie, in which colours."""
+    camera = view.camera
+    media = [[media.path, media.frames, media.fingerprint] for media in camera.media]
+    lie = [view.clock, view.gaps, view.placement, view.colour]
+    return [camera.name, media, list(camera.size), str(camera.rate), *lie]
 
 
 def _filler(edl: Edl) -> str:

@@ -1,20 +1,17 @@
 """Results of the analysis's stages kept beside the EDL, each under a key of all that it depends on.
 
-A changed selector then costs a moment, and a changed detector decodes nothing again. A key holds the media's
-fingerprints, the settings, and the code of whatever made the result, so that a plugin that is being written is never
-answered from yesterday's version of itself.
+A changed selector then costs a moment, and a changed detector decodes nothing again. What the keys hold stands in
+`stage_keys`.
 """
 
 from __future__ import annotations
 
-import hashlib
-import importlib
 import io
 import json
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from functools import cached_property
 from pathlib import Path
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from attrs import frozen
@@ -24,7 +21,6 @@ from mcsl_core.alignment.aligned_views import AlignedPose
 from mcsl_core.alignment.observations import SolvedPose
 from mcsl_core.documents import make_converter, write_atomic
 from mcsl_core.edl import Clock, Movement, Pose
-from mcsl_core.hooks.registry import Offer
 from mcsl_core.movement.protocol import Curve, Detection
 from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.progress import Progress
@@ -37,11 +33,29 @@ _converter = make_converter()
 
 
 @frozen
-class Form(Generic[T]):
-    """How one kind of result becomes arrays and back."""
+class Stage(Generic[T]):
+    """A stage whose results are kept: what its files are called, and how a result becomes arrays and back."""
 
+    name: str
     pack: Callable[[T], dict[str, NDArray]]
     unpack: Callable[[Arrays], T]
+
+
+class Deferred(Generic[T]):
+    """``make(*given, **named)``, made when a step that runs first needs it, and then kept for the steps that follow."""
+
+    def __init__(self, make: Callable[..., T], *given: Any, **named: Any) -> None:
+        self._make, self._given, self._named = make, given, named
+
+    @cached_property
+    def value(self) -> T:
+        return call(self._make, *self._given, **self._named)
+
+
+def call(step: Callable[..., T], *given: Any, **named: Any) -> T:
+    """``step(*given, **named)`` with the values of what is `Deferred` among the arguments."""
+    plain = (each.value if isinstance(each, Deferred) else each for each in given)
+    return step(*plain, **{n: each.value if isinstance(each, Deferred) else each for n, each in named.items()})
 
 
 class StageCache:
@@ -50,24 +64,27 @@ class StageCache:
     def __init__(self, folder: Path | None, progress: Progress) -> None:
         self.folder, self._progress = folder, progress
 
-    def remember(self, stage: str, key: str, make: Callable[[], T], form: Form[T]) -> T:
-        """The result of ``stage`` under ``key``, made now if it is not there or cannot be read."""
+    def remember(self, stage: Stage[T], key: str, step: Callable[..., T], *given: Any, **named: Any) -> T:
+        """The result of ``stage`` under ``key``: ``step(*given, **named)`` if it is not there or cannot be read.
+
+        What is `Deferred` among the arguments is made for the step, and so not at all where the result is there.
+        """
         if self.folder is None:
-            return make()
-        path = self.folder / f"{stage}-{key}.npz"
+            return call(step, *given, **named)
+        path = self.folder / f"{stage.name}-{key}.npz"
         if path.exists():
             try:
                 with np.load(path, allow_pickle=False) as stored:
-                    found = form.unpack(dict(stored))
+                    found = stage.unpack(dict(stored))
                 path.touch()
                 return found
             except Exception as fault:  # whatever is wrong with it, making it again is right
                 self._progress.note(f"{path} cannot be used ({type(fault).__name__}: {fault}) and is made again")
-        made = form.pack(result := make())
+        result = call(step, *given, **named)
         stream = io.BytesIO()
-        np.savez_compressed(stream, **made)  # pyright: ignore[reportArgumentType]
+        np.savez_compressed(stream, **stage.pack(result))  # pyright: ignore[reportArgumentType]
         write_atomic(path, stream.getvalue())
-        self.prune(stage, KEPT)
+        self.prune(stage.name, KEPT)
         return result
 
     def file(self, stage: str, key: str) -> Path | None:
@@ -80,35 +97,6 @@ class StageCache:
             lying = sorted(self.folder.glob(f"{stage}-*"), key=lambda p: p.stat().st_mtime_ns, reverse=True)
             for path in lying[kept:]:
                 path.unlink(missing_ok=True)
-
-
-def key_of(*parts: object) -> str:
-    """A short key of plain values: equal parts, equal key."""
-    text = json.dumps(parts, default=repr, sort_keys=True)
-    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:24]
-
-
-def identity(offer: Offer) -> tuple[str, str, str]:
-    """What an offer's results depend on: its package and version, its settings, its code.
-
-    Settings are what its repr shows; object's own shows an address, which would be another in every process.
-    """
-    kind = type(offer.implementation)
-    settings = kind.__qualname__ if kind.__repr__ is object.__repr__ else repr(offer.implementation)
-    return str(offer), settings, code_digest(kind.__module__.split(".")[0])
-
-
-@lru_cache
-def code_digest(package: str) -> str:
-    """A hash of the Python source of a top-level package or module; empty where there is no source."""
-    module = importlib.import_module(package)
-    folders = [Path(p) for p in getattr(module, "__path__", ())]
-    files = sorted(f for folder in folders for f in folder.rglob("*.py")) or [Path(getattr(module, "__file__", ""))]
-    digest = hashlib.sha256()
-    for file in files:
-        if file.is_file():
-            digest.update(file.name.encode() + b"\0" + file.read_bytes())
-    return digest.hexdigest()[:24]
 
 
 def _text(value: object) -> NDArray:
@@ -139,33 +127,33 @@ def _unpack_detection(arrays: Arrays) -> Detection:
 
 def _pack_poses(solved: Sequence[SolvedPose]) -> dict[str, NDArray]:
     """Without the observations: they are for anchoring, which is done."""
-    scenes = [[s.aligned.size, s.aligned.reference, s.aligned.camera_sizes] for s in solved]
+    sizes = [[s.aligned.size, s.aligned.reference, s.aligned.camera_sizes] for s in solved]
     return {
         "poses": _text([_converter.unstructure(s.pose, Pose) for s in solved]),
-        "scenes": _text(scenes),
-        "moments": _text([list(map(int, s.samples)) for s in solved]),
+        "sizes": _text(sizes),
+        "samples": _text([list(map(int, s.samples)) for s in solved]),
         **{f"field{i}": np.packbits(s.aligned.field) for i, s in enumerate(solved)},
     }
 
 
 def _unpack_poses(arrays: Arrays) -> list[SolvedPose]:
     solved = []
-    poses, scenes, moments = (_json(arrays, name) for name in ("poses", "scenes", "moments"))
-    for i, (document, (size, reference, sizes), at) in enumerate(zip(poses, scenes, moments, strict=True)):
+    poses, sizes, samples = (_json(arrays, name) for name in ("poses", "sizes", "samples"))
+    for i, (document, (size, reference, camera_sizes), at) in enumerate(zip(poses, sizes, samples, strict=True)):
         pose = _converter.structure(document, Pose)
         width, height = size
         field = np.unpackbits(arrays[f"field{i}"], count=width * height).reshape(height, width).astype(bool)
         homographies = {name: np.array(h) for name, h in pose.homographies.items()}
-        camera_sizes = {name: (int(w), int(h)) for name, (w, h) in sizes.items()}
-        scene = AlignedPose((width, height), reference, homographies, camera_sizes, field)
-        solved.append(SolvedPose(pose, scene, tuple(at), {}))
+        full = {name: (int(w), int(h)) for name, (w, h) in camera_sizes.items()}
+        aligned = AlignedPose((width, height), reference, homographies, full, field)
+        solved.append(SolvedPose(pose, aligned, tuple(at), {}))
     return solved
 
 
-CLOCKS = Form(_pack_clocks, _unpack_clocks)
-DETECTION = Form(_pack_detection, _unpack_detection)
-POSES = Form(_pack_poses, _unpack_poses)
-SCORES = Form(ScoreTable.arrays, ScoreTable.from_arrays)
-CUTS: Form[tuple[int, ...]] = Form(
-    lambda cuts: {"cuts": np.array(cuts, np.int64)}, lambda arrays: tuple(int(n) for n in arrays["cuts"])
+CLOCKS = Stage("clocks", _pack_clocks, _unpack_clocks)
+MOVEMENTS = Stage("movements", _pack_detection, _unpack_detection)
+POSES = Stage("poses", _pack_poses, _unpack_poses)
+SCORES = Stage("scores", ScoreTable.arrays, ScoreTable.from_arrays)
+CUTS: Stage[tuple[int, ...]] = Stage(
+    "cuts", lambda cuts: {"cuts": np.array(cuts, np.int64)}, lambda arrays: tuple(int(n) for n in arrays["cuts"])
 )

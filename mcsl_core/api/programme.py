@@ -20,6 +20,7 @@ from mcsl_core.blender.timeline import build_timeline
 from mcsl_core.delivery import conform as conforming
 from mcsl_core.delivery.conform import Conformed, default_folder
 from mcsl_core.delivery.quality import quality_named
+from mcsl_core.delivery.source import ProgrammeSource
 from mcsl_core.edl import Edl, Override
 from mcsl_core.edl.edits import rebased
 from mcsl_core.errors import Fault, InputError, UsageError
@@ -305,7 +306,8 @@ class Programme:
         out = default_folder(self.path) if folder is None else Path(folder)
         progress = progress or Silent()
         how: dict[str, Any] = {"jobs": jobs, "prune": prune, "quality": kind, "progress": progress}
-        return conforming.conform(self._edl, self.folder, out, filler=filler_of(self._edl, progress), **how)
+        source = ProgrammeSource(self._edl, self.folder, filler_of(self._edl, progress))
+        return conforming.conform(source, out, **how)
 
     def render(
         self,

@@ -14,9 +14,10 @@ from attrs import field, frozen
 
 from mcsl_core import edl as edls
 from mcsl_core.delivery.conform import conform, default_folder
-from mcsl_core.delivery.direct import write_direct
+from mcsl_core.delivery.direct import VideoFormat, write_direct
 from mcsl_core.delivery.presets import Preset, load_preset, preset_of
 from mcsl_core.delivery.quality import Quality, quality_named
+from mcsl_core.delivery.source import ProgrammeSource
 from mcsl_core.edl import Edl
 from mcsl_core.errors import InputError, UsageError
 from mcsl_core.filling.provenance import ShowProvenance
@@ -127,8 +128,8 @@ def render(source: Path, out: Path, *, progress: Progress | None = None, **setti
     if how.engine == "direct" or blender is None:
         _direct(edl, edl_path, out, how, progress)
         return out
-    folder, filler = default_folder(edl_path), filler_of(edl, progress)
-    done = conform(edl, edl_path.parent, folder, filler=filler, jobs=how.jobs, quality=how.quality, progress=progress)
+    programme = ProgrammeSource(edl, edl_path.parent, filler_of(edl, progress))
+    done = conform(programme, default_folder(edl_path), jobs=how.jobs, quality=how.quality, progress=progress)
     media = {
         "edl": edl_path.resolve(),
         "conformed": tuple(piece_of(chunk, done.folder.resolve()) for chunk in done.chunks),
@@ -175,18 +176,16 @@ def encoding_of(preset: Preset) -> Encoding:
 
 def _direct(edl: Edl, edl_path: Path, out: Path, how: RenderSettings, progress: Progress) -> None:
     filler = filler_of(edl, progress)
-    write_direct(
-        edl,
-        edl_path.parent,
-        out,
+    filler = ShowProvenance(filler, [c.name for c in edl.cameras]) if how.show_origin else filler
+    video = VideoFormat(
         encoding=encoding_of(how.preset),
         size=how.preset.scaled(edl.size),
-        audio_channels=AUDIO_CHANNELS,
         keyframe_interval=how.preset.direct.gop,
-        filler=ShowProvenance(filler, [c.name for c in edl.cameras]) if how.show_origin else filler,
+        audio_channels=AUDIO_CHANNELS,
         resampling=how.quality.resampling,
-        progress=progress,
     )
+    write_direct(ProgrammeSource(edl, edl_path.parent, filler), out, video=video, progress=progress)
+    write_direct(ProgrammeSource(edl, edl_path.parent, filler), out, video=video, progress=progress)
 
 
 def _in_blender(blend: Path, out: Path, preset: Preset, blender: Blender, progress: Progress) -> None:

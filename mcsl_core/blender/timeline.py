@@ -7,7 +7,7 @@ from pathlib import Path
 import attrs
 
 from mcsl_core import edl as edls
-from mcsl_core.delivery.audio import sound_key, sound_of
+from mcsl_core.delivery.audio import sound_key
 from mcsl_core.delivery.chunk_keys import Chunk, chunks_present, media_fingerprints
 from mcsl_core.delivery.conform import default_folder
 from mcsl_core.delivery.presets import Preset, preset_of
@@ -132,7 +132,7 @@ def in_place(edl: Edl, base: Path, folder: Path) -> tuple[tuple[ConformedPiece, 
         return (), None
     folder = folder.resolve()
     pieces = tuple(piece_of(chunk, folder) for chunk in chunks_present(edl, base, folder, filler=filler_of(edl)))
-    camera = sound_of(edl, None)
+    camera = edl.reference
     sound = folder / f"sound-{sound_key(edl, camera, media_fingerprints(edl.camera(camera), base))}.wav"
     return pieces, sound if sound.is_file() else None
 

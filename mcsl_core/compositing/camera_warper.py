@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack, closing
-from typing import Any
+from functools import cache
 
 import cv2
 import numpy as np
@@ -28,12 +28,17 @@ from mcsl_core.imaging.warp import (
     warp_field_maps,
     warp_planes,
 )
+from mcsl_core.lru_cache import LruCache
 from mcsl_core.recording.footage import Footage, Player
 
 from .parallax import Parallax
 from .placement import programme_matrix
 
-_KEPT_BYTES = 48_000_000  # of warped looks at other median_of and of maps, which come again frame after frame
+# Of what comes again frame after frame while the programme stands still, at 1080p; more of a larger programme.
+_PICTURES_BYTES = 50_000_000  # warped looks at medians: 16 of the whole frame
+_MAPS_BYTES = 60_000_000  # tables for remapping: 3 of the whole frame
+_MEDIANS_BYTES = 5_000_000  # medians by cell, 24 kB each
+_EDGES_BYTES = 5_000_000  # tapered warp fields, 80 kB each
 _EDGE = 1 / 15  # of the programme's width: over so much the chosen camera's picture goes over into the others'
 _TO_CELL = np.array([[1 / CELL, 0, 0.5 / CELL - 0.5], [0, 1 / CELL, 0.5 / CELL - 0.5], [0, 0, 1]])
 Offset = tuple[float, float]  # the centering's, in programme pixels
@@ -49,18 +54,24 @@ class CameraWarper:
         sizes = tuple((camera.name, camera.size) for camera in edl.cameras)
         places = tuple(placement_matrix(edl, pose, name) for pose in edl.poses for name, _ in sizes)
         self.geometry = hash((edl.size, edl.rate, edl.reference, sizes, self.still, places))
-        self.patches, self._maps = Kept(), Kept()
-        self._matrices: dict[tuple[int, str], tuple[Homography, bool]] = {}
-        self._others: dict[tuple[int, str], tuple[str, ...]] = {}
-        self._edges: dict[tuple[int, str], WarpField | None] = {}
+        self._edges: LruCache[WarpField | None] = LruCache(_EDGES_BYTES)
+        self.others, self._placed = cache(self._others), cache(self._place)
+        self._forget()
         self._stack = ExitStack()
         self._players: dict[str, Player] = {}
 
     def close(self) -> None:
         """Closes the decoders and forgets what was looked at; pictures handed out stay valid."""
         self._players.clear()
-        self.patches, self._maps = Kept(), Kept()
+        self._forget()
         self._stack.close()
+
+    def _forget(self) -> None:
+        width, height = self.edl.size
+        larger = max(1, width * height / (1920 * 1080))
+        self.patches: LruCache[Planes | None] = LruCache(round(larger * _PICTURES_BYTES))
+        self._maps: LruCache[RemapTables] = LruCache(round(larger * _MAPS_BYTES))
+        self._medians: LruCache[list[U8] | None] = LruCache(round(larger * _MEDIANS_BYTES))
 
     def own_picture(self, camera: str, frame: int) -> Planes | None:
         """The camera's own picture at programme frame ``frame``, decoded once."""
@@ -79,18 +90,15 @@ class CameraWarper:
         """Whether it is known where the camera's picture lies in pose ``pose_index``."""
         return self._placed(pose_index, camera)[1]
 
-    def others(self, pose_index: int, camera: str) -> tuple[str, ...]:
+    def _others(self, pose_index: int, camera: str) -> tuple[str, ...]:
         """Who may stand in for ``camera`` in a pose: the reference, then by closeness of viewpoint."""
-        key = pose_index, camera
-        if key not in self._others:
-            front, size = self._placed(pose_index, camera)[0], self.edl.camera(camera).size
-            known = [c.name for c in self.edl.cameras if c.name != camera and self.knows(pose_index, c.name)]
+        front, size = self._placed(pose_index, camera)[0], self.edl.camera(camera).size
+        known = [c.name for c in self.edl.cameras if c.name != camera and self.knows(pose_index, c.name)]
 
-            def apart(name: str) -> tuple[bool, float]:
-                return name != self.edl.reference, viewpoint_difference(front, self._placed(pose_index, name)[0], size)
+        def apart(name: str) -> tuple[bool, float]:
+            return name != self.edl.reference, viewpoint_difference(front, self._placed(pose_index, name)[0], size)
 
-            self._others[key] = tuple(sorted(known, key=apart))
-        return self._others[key]
+        return tuple(sorted(known, key=apart))
 
     def warped(self, planes: Planes, pose_index: int, camera: str, offset: Offset, rect: Rect) -> Planes:
         """What a picture of ``camera`` shows in ``rect`` of the programme in pose ``pose_index``."""
@@ -111,7 +119,7 @@ class CameraWarper:
             return warp_field_maps(self._placed(pose_index, camera)[0], warp_field, rect, offset)
 
         key = pose_index, camera, edge, offset, rect
-        return remap_planes(planes, self._maps.of(key, make, _size) if again else make(), self._resampling)
+        return remap_planes(planes, self._maps.get(key, make) if again else make(), self._resampling)
 
     def change(
         self, pose_index: int, camera: str, offset: Offset, frame: int, median_of: tuple[int, ...]
@@ -130,18 +138,17 @@ class CameraWarper:
             planes = self.median(camera, median_of)
             return None if planes is None else _cells(planes)
 
-        return self.patches.of((camera, median_of), make, lambda cells: 3 * cells[0].size)
+        return self._medians.get((camera, median_of), make)
 
     def _warp_field(self, pose_index: int, camera: str, edge: bool) -> WarpField | None:
         if not edge:
             return self.parallax.of(pose_index, camera)
-        if (pose_index, camera) not in self._edges:
+
+        def make() -> WarpField | None:
             warp_field, matrix = self.parallax.of(pose_index, camera), self._placed(pose_index, camera)[0]
-            wide = _EDGE * self.edl.size[0]
-            self._edges[pose_index, camera] = warp_field and warp_field.tapered(
-                self.edl.camera(camera).size, matrix, wide
-            )
-        return self._edges[pose_index, camera]
+            return warp_field and warp_field.tapered(self.edl.camera(camera).size, matrix, _EDGE * self.edl.size[0])
+
+        return self._edges.get((pose_index, camera), make)
 
     def footprint(self, pose_index: int, camera: str, offset: Offset, *, parallax_corrected: bool, edge: bool) -> U8:
         """(height / 2, width / 2): 255 where `warped` or `parallax_corrected` shows something."""
@@ -163,30 +170,11 @@ class CameraWarper:
         matrix, known = self._placed(pose_index, camera)
         return translation(*offset) @ matrix if known else matrix
 
-    def _placed(self, pose_index: int, camera: str) -> tuple[Homography, bool]:
-        key = pose_index, camera
-        if key not in self._matrices:
-            pose = self.edl.poses[pose_index]
-            matrix = programme_matrix(self.edl, pose, camera)
-            self._matrices[key] = matrix, placement_matrix(self.edl, pose, camera) is not None
-        return self._matrices[key]
-
-
-class Kept:
-    """What is the same for every frame while the programme stands still; all is dropped when it grows too large."""
-
-    def __init__(self) -> None:
-        self._kept: dict[Hashable, Any] = {}
-        self._bytes = 0
-
-    def of(self, key: Hashable, make: Callable[[], Any], size: Callable[[Any], int]) -> Any:
-        if key not in self._kept:
-            if self._bytes > _KEPT_BYTES:
-                self._kept.clear()
-                self._bytes = 0
-            found = self._kept[key] = make()
-            self._bytes += 0 if found is None else size(found)
-        return self._kept[key]
+    def _place(self, pose_index: int, camera: str) -> tuple[Homography, bool]:
+        """Where a camera's picture lies before centering, and whether that is known."""
+        pose = self.edl.poses[pose_index]
+        matrix = programme_matrix(self.edl, pose, camera)
+        return matrix, placement_matrix(self.edl, pose, camera) is not None
 
 
 def _cells(planes: Planes) -> list[U8]:
@@ -194,7 +182,3 @@ def _cells(planes: Planes) -> list[U8]:
     size = (-(-planes.size[0] // CELL), -(-planes.size[1] // CELL))
     parts = (planes.y[::8, ::8], planes.u[::4, ::4], planes.v[::4, ::4])
     return [np.asarray(cv2.resize(part, size, interpolation=cv2.INTER_AREA), np.uint8) for part in parts]
-
-
-def _size(maps: RemapTables) -> int:
-    return maps.nbytes

@@ -27,7 +27,6 @@ from .camera_warper import CameraWarper
 from .frame_context import FrameContext
 from .parallax import Parallax
 
-COMPOSITOR_VERSION = 3  # rises when the same EDL and media come out differently: conformed chunks are then made again
 BLOCK_S = 10  # conformed chunks, and what a filler that remembers begins anew, lie on one grid
 
 

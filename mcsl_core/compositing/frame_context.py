@@ -108,7 +108,7 @@ class FrameContext:
         if not self.steady:
             return make()
         key = camera, rect, tuple(median_of), blur_px, parallax_corrected, self.offset, self.colour
-        return self.warper.patches.of(key, make, lambda planes: planes.y.size * 3 // 2)
+        return self.warper.patches.get(key, make)
 
     def _laid(
         self, camera: str, rect: Rect, planes: Planes | None, pose_index: int, blur_px: float, parallax_corrected: bool

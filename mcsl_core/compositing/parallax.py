@@ -11,7 +11,7 @@ over 1/96 of the width; beyond their overlap it goes on as near it.
 from __future__ import annotations
 
 import os
-from collections import OrderedDict
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from threading import Lock
 from typing import Any
@@ -23,9 +23,10 @@ from numpy.typing import NDArray
 from mcsl_core.edl import Edl
 from mcsl_core.edl.placement import first_of_perspective, placement_matrix, still_range
 from mcsl_core.filling.median_grid import first_grid_frames, grid_step
-from mcsl_core.imaging.geometry import Homography, translation
+from mcsl_core.imaging.geometry import Homography, scaling, translation
 from mcsl_core.imaging.planes import U8
 from mcsl_core.imaging.warp import WarpField
+from mcsl_core.lru_cache import LruCache
 from mcsl_core.recording.footage import Footage
 
 from .placement import programme_matrix
@@ -41,7 +42,7 @@ _CONTRAST = 40.0  # what surroundings are levelled to
 _UNLIKE = 0.67 * _CONTRAST  # mean difference after bending; pictures of one scene: 0.28 to 0.64, unrelated: 0.7 on
 _NODE = 4  # compared pixels between nodes
 _LOCAL = 12.0  # sigma of the surroundings whose brightness and contrast are taken out, compared pixels
-_KEPT = 64  # warp fields, 80 kB each
+_KEPT_BYTES = 5_000_000  # of warp fields, 80 kB each
 
 Values = NDArray[np.float32]
 
@@ -53,19 +54,14 @@ class Parallax:
         self._edl, self._footage = edl, footage
         self._scale = min(1.0, _WIDTH / edl.size[0])
         self._lock = Lock()
-        self._kept: OrderedDict[tuple[int, str], WarpField | None] = OrderedDict()
+        self._fields: LruCache[Mapping[str, WarpField | None]] = LruCache(_KEPT_BYTES)
 
     def of(self, pose_index: int, camera: str) -> WarpField | None:
         """For the picture of ``camera`` in that pose; None where it lies right, or nothing says how it lies."""
-        key = pose_index, camera
         with self._lock:  # one pose at a time: others would wait for the same pictures
-            if key not in self._kept:
-                self._kept |= self._of_pose(pose_index)
-                while len(self._kept) > _KEPT:
-                    self._kept.popitem(last=False)
-            return self._kept.get(key)
+            return self._fields.get(pose_index, lambda: self._of_pose(pose_index)).get(camera)
 
-    def _of_pose(self, pose_index: int) -> dict[tuple[int, str], WarpField | None]:
+    def _of_pose(self, pose_index: int) -> Mapping[str, WarpField | None]:
         """Of all cameras whose place is known, side by side: whoever asks for one asks for most."""
         pose = self._edl.poses[pose_index]
         names = [
@@ -73,7 +69,7 @@ class Parallax:
         ]
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             found = list(pool.map(lambda name: self._found(pose_index, name), names))
-        return {(pose_index, name): warp_field for name, warp_field in zip(names, found, strict=True)}
+        return dict(zip(names, found, strict=True))
 
     def _found(self, pose_index: int, camera: str) -> WarpField | None:
         base = first_of_perspective(self._edl, pose_index)
@@ -101,7 +97,7 @@ class Parallax:
         to_canvas = self._canvas() @ programme_matrix(edl, pose, camera)
         if self._scale < 1:  # area average first: a warp alone would alias
             size = (max(2, round(luma.shape[1] * self._scale)), max(2, round(luma.shape[0] * self._scale)))
-            to_canvas = to_canvas @ _enlarging(size, (luma.shape[1], luma.shape[0]))
+            to_canvas = to_canvas @ scaling(size, (luma.shape[1], luma.shape[0]))
             luma = np.asarray(cv2.resize(luma, size, interpolation=cv2.INTER_AREA), np.uint8)
         size = tuple(round(v * self._scale * (1 + 2 * _MARGIN)) for v in edl.size)
         seen = cv2.warpPerspective(np.full_like(luma, 255), to_canvas, size, flags=cv2.INTER_NEAREST)
@@ -111,12 +107,6 @@ class Parallax:
         """Programme pixel -> pixel of the pictures compared."""
         width, height = self._edl.size
         return np.diag([self._scale, self._scale, 1.0]) @ translation(_MARGIN * width, _MARGIN * height)
-
-
-def _enlarging(small: tuple[int, int], large: tuple[int, int]) -> Homography:
-    """A reduced picture's pixel -> the large one's, pixel centres at integers."""
-    x, y = (b / a for a, b in zip(small, large, strict=True))
-    return np.array([[x, 0, (x - 1) / 2], [0, y, (y - 1) / 2], [0, 0, 1]])
 
 
 def residual_parallax(guide: U8, guide_seen: U8, picture: U8, picture_seen: U8, sigma_px: float) -> Values | None:

@@ -6,13 +6,12 @@ from pathlib import Path
 
 import attrs
 import numpy as np
-from numpy.typing import ArrayLike
 
-from mcsl_core.edl import IDENTITY, Edl, Matrix, Pose
+from mcsl_core.edl import IDENTITY, Edl, Pose
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.protocol import Filler
 from mcsl_core.hooks.registry import filler_offer
-from mcsl_core.imaging.geometry import scaling
+from mcsl_core.imaging.geometry import scaling, to_edl_matrix
 from mcsl_core.imaging.planes import Planes
 from mcsl_core.recording.footage import Footage, Player
 
@@ -35,15 +34,17 @@ def reduced(edl: Edl, size: tuple[int, int]) -> Edl:
         return attrs.evolve(
             pose,
             homographies={
-                name: _rows(IDENTITY if name == edl.reference else ground @ np.array(h) @ np.linalg.inv(shrink[name]))
+                name: IDENTITY
+                if name == edl.reference
+                else to_edl_matrix(ground @ np.array(h) @ np.linalg.inv(shrink[name]))
                 for name, h in pose.homographies.items()
             },
-            anchor=_rows(programme @ np.array(pose.anchor) @ np.linalg.inv(ground)),
+            anchor=to_edl_matrix(programme @ np.array(pose.anchor) @ np.linalg.inv(ground)),
         )
 
     x, y = size[0] / edl.size[0], size[1] / edl.size[1]
     corrections = tuple(
-        attrs.evolve(c, matrix=_rows(programme @ np.array(c.matrix) @ np.linalg.inv(programme)))
+        attrs.evolve(c, matrix=to_edl_matrix(programme @ np.array(c.matrix) @ np.linalg.inv(programme)))
         for c in edl.corrections
     )
     overrides = tuple(
@@ -58,12 +59,6 @@ def reduced(edl: Edl, size: tuple[int, int]) -> Edl:
         overrides=overrides,
         centering=tuple((frame, dx * x, dy * y) for frame, dx, dy in edl.centering),
     )
-
-
-def _rows(matrix: ArrayLike) -> Matrix:
-    m = np.asarray(matrix, np.float64)
-    rows = [tuple(float(v) for v in row) for row in m / m[2, 2]]
-    return rows[0], rows[1], rows[2]  # pyright: ignore[reportReturnType]
 
 
 def reduced_filler(edl: Edl, size: tuple[int, int]) -> Filler:

@@ -15,31 +15,20 @@ from pathlib import Path
 
 import numpy as np
 
+from mcsl_core.code_keys import SOUND
 from mcsl_core.edl import Edl
-from mcsl_core.errors import MediaError, UsageError
+from mcsl_core.errors import MediaError
 from mcsl_core.progress import Progress
 from mcsl_core.recording.footage import Footage
 
-VERSION = 1
 AUDIO_RATE = 48000
 _LARGEST = (1 << 32) - 4096  # a WAV file counts its bytes in 32 bits: 12 hours of mono
-
-
-def sound_of(edl: Edl, audio_from: str | None) -> str:
-    """The camera whose sound the programme has; UsageError where there is none of that name."""
-    name = audio_from or edl.reference
-    if all(camera.name != name for camera in edl.cameras):
-        raise UsageError(
-            f"there is no camera {name!r} to take the sound from",
-            remedy=f"Choose one of {', '.join(c.name for c in edl.cameras)}",
-        )
-    return name
 
 
 def sound_key(edl: Edl, camera: str, content: list[str]) -> str:
     """A hash of everything the sound depends on."""
     clock = edl.camera(camera).clock
-    facts = [VERSION, AUDIO_RATE, content, clock.offset_s, clock.drift_ppm, edl.frames, str(edl.rate)]
+    facts = [SOUND, AUDIO_RATE, content, clock.offset_s, clock.drift_ppm, edl.frames, str(edl.rate)]
     return hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:20]
 
 

@@ -1,7 +1,8 @@
 """What conformed media are called: the programme in chunks of ten seconds, each under a hash of all it depends on.
 
 The grid begins at frame 0. A chunk's name holds a hash of everything its pixels depend on: the effective decisions in
-it, poses, colours, centering, the sources' content, clocks, filler, quality and the versions of the algorithms. So a
+it, poses, colours, centering (`edl.dependencies`), the sources' content, filler, quality, and how pictures come out of
+them (`code_keys`). So a
 changed override makes again the chunks it touches and no others, an interrupted run loses the chunks it was at, runs
 need no record of what they did, and media of different qualities lie beside each other. The grid does not follow the
 shots: an editor moves cuts, and boundaries that moved along would orphan whole chunks beside the change; and Blender
@@ -20,12 +21,23 @@ from typing import Any
 import attrs
 from attrs import frozen
 
-from mcsl_core.compositing.compositor import BLOCK_S, COMPOSITOR_VERSION, block_frames, remembered
+from mcsl_core.code_keys import PICTURES
+from mcsl_core.compositing.compositor import BLOCK_S, block_frames, remembered
 from mcsl_core.compositing.placement import fully_covered
 from mcsl_core.documents import canonical_json
-from mcsl_core.edl import Camera, Edl, Pose
-from mcsl_core.edl.placement import first_of_perspective, other_poses, placement_matrix, still_range
-from mcsl_core.edl.resolve import Decision, offset_at, resolve_by_pose, shift_at
+from mcsl_core.edl import Camera, Edl
+from mcsl_core.edl.dependencies import (
+    Offset,
+    View,
+    fill_views,
+    follows_centering,
+    offset_bounds,
+    offsets_over,
+    poses_filled_from,
+    views_of,
+)
+from mcsl_core.edl.placement import still_range
+from mcsl_core.edl.resolve import Decision, resolve_by_pose, shift_at
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.protocol import Filler
 from mcsl_core.media.facts import fingerprint
@@ -33,7 +45,7 @@ from mcsl_core.timing import FrameRange, merge_equal
 
 from .quality import QUALITIES, STANDARD, Quality
 
-VERSION = 2  # rises when chunks come out differently for a reason that no key holds
+_FORM = 2  # of the key itself: stays, so that what was conformed by earlier versions holds
 CHUNK_S = BLOCK_S
 SUFFIX = ".mp4"
 
@@ -99,14 +111,6 @@ def chunks_present(edl: Edl, base: Path, folder: Path, *, filler: Filler | None 
     return tuple(found)
 
 
-def cameras_of(edl: Edl, pose: Pose, decision: Decision) -> tuple[str, ...]:
-    """The cameras that may be looked at under ``decision``: the shot's, the reference, and for the fill all known."""
-    names = {decision.camera, edl.reference}
-    if decision.fill:
-        names |= {camera.name for camera in edl.cameras if placement_matrix(edl, pose, camera.name) is not None}
-    return tuple(camera.name for camera in edl.cameras if camera.name in names)
-
-
 def _chunk(piece: FrameRange, content: str, quality: Quality) -> Chunk:
     return Chunk(piece, _digest([content, attrs.asdict(quality.encoding), quality.group, quality.resampling]))
 
@@ -128,17 +132,17 @@ def _contents(edl: Edl, base: Path, filler: Filler | None) -> Iterator[tuple[Fra
                 part = stretch.intersection(span)
                 if part is None:
                     break
-                parts.append((part, (facts.of(part, decision, pose_index), _follows_keys(decision))))
+                parts.append((part, (facts.of(part, decision, pose_index), follows_centering(decision))))
         yield (
             piece,
             _digest(
                 {
-                    "versions": [VERSION, COMPOSITOR_VERSION, filler.name, filler.version],
+                    "versions": [_FORM, PICTURES, filler.name, filler.version],
                     "programme": [str(edl.rate), list(edl.size), edl.reference],
                     "range": [piece.start, piece.stop],
                     # merged, since it does not matter whether an editor or the analysis chose what is shown
                     "parts": [
-                        [part.start, part.stop, digest, _offsets(edl, part) if keyed else None]
+                        [part.start, part.stop, digest, offsets_over(edl, part) if keyed else None]
                         for part, (digest, keyed) in merge_equal(parts)
                     ],
                 }
@@ -146,71 +150,63 @@ def _contents(edl: Edl, base: Path, filler: Filler | None) -> Iterator[tuple[Fra
         )
 
 
-def _follows_keys(decision: Decision) -> bool:
-    return decision.centering and (decision.offset is None or any(ease.other is None for ease in decision.eases))
-
-
 class _Facts:
     """Digests of what a part of the programme depends on, but for where it lies; each is worked out once."""
 
     def __init__(self, edl: Edl, base: Path) -> None:
         self.edl, self.base = edl, base
-        self._source, self._beside = cache(self._source_now), cache(self._beside_now)
-        self._still, self._fixed, self._swept = cache(self._still_now), cache(self._fixed_now), cache(self._swept_now)
+        self._fixed, self._filled = cache(self._fixed_now), cache(self._filled_now)
+        self._files, self._beside, self._bounds = (
+            cache(self._files_now),
+            cache(self._beside_now),
+            cache(self._bounds_now),
+        )
 
     def of(self, part: FrameRange, decision: Decision, pose_index: int) -> str:
         fixed = self._fixed(attrs.evolve(decision, overridden=False), pose_index)
         if not decision.fill:
             return fixed
-        offsets = self._swept(pose_index) if _follows_keys(decision) else (shift_at(self.edl, decision, part.start),)
-        return fixed + self._still(pose_index, offsets)
+        keyed = follows_centering(decision)
+        offsets = self._bounds(pose_index) if keyed else (shift_at(self.edl, decision, part.start),)
+        return fixed + self._filled(pose_index, offsets)
 
-    def _swept_now(self, pose_index: int) -> tuple[tuple[float, float], ...]:
-        """The least and the greatest offsets of the centering's keys in a pose, as one answer for all its shots."""
-        x, y = zip(*(row[1:] for row in _offsets(self.edl, self.edl.poses[pose_index].range)), strict=True)
-        return (min(x), min(y)), (max(x), max(y))
+    def _bounds_now(self, pose_index: int) -> tuple[Offset, Offset]:
+        """Of all of a pose, as one answer for all its shots."""
+        return offset_bounds(self.edl, self.edl.poses[pose_index].range)
 
     def _fixed_now(self, decision: Decision, pose_index: int) -> str:
-        edl, pose = self.edl, self.edl.poses[pose_index]
-        names = cameras_of(edl, pose, decision)
+        """What the decision itself says, and the cameras that may be looked at at the frame's own time."""
+        views = views_of(self.edl, self.edl.poses[pose_index], decision)
         shift = decision.offset if decision.centering and decision.offset else decision.centering
+        colours = {view.camera.name: view.colour for view in views if view.colour is not None}
         return _digest(
             {
                 "decision": [decision.camera, shift, decision.fill, decision.colour],
                 "eases": [[e.range.start, e.range.stop, e.rises, e.other] for e in decision.eases],
-                "sources": [self._source(name) for name in names],
-                "placed": {name: placement_matrix(edl, pose, name) for name in names},
-                "colour": {n: pose.colour[n].matrix for n in names if n in pose.colour} if decision.colour else None,
+                "sources": [self._source(view) for view in views],
+                "placed": {view.camera.name: view.placement for view in views},
+                "colour": colours if decision.colour else None,
             }
         )
 
-    def _still_now(self, pose_index: int, offsets: tuple[tuple[float, float], ...]) -> str:
+    def _filled_now(self, pose_index: int, offsets: tuple[Offset, ...]) -> str:
         """Where the fill may look beside the frame itself; at other poses only where this one leaves something open."""
         pose = self.edl.poses[pose_index]
         still = still_range(self.edl, pose)
-        others = () if fully_covered(self.edl, pose, offsets) else other_poses(self.edl, pose_index)
-        first = first_of_perspective(self.edl, pose_index)  # whose parallax is that of the perspective
-        return _digest([[still.start, still.stop], *(self._beside(other) for other in (first, *others))])
+        others = poses_filled_from(self.edl, pose_index, alone=fully_covered(self.edl, pose, offsets))
+        return _digest([[still.start, still.stop], *(self._beside(other) for other in others)])
 
-    def _beside_now(self, pose_index: int) -> Any:
-        pose = self.edl.poses[pose_index]
-        still = still_range(self.edl, pose)
-        names = [c.name for c in self.edl.cameras if placement_matrix(self.edl, pose, c.name) is not None]
-        colours = {n: pose.colour[n].matrix for n in names if n in pose.colour}
-        places = {n: placement_matrix(self.edl, pose, n) for n in names}
-        return [[still.start, still.stop], places, colours, [self._source(n) for n in names]]
+    def _beside_now(self, pose_index: int) -> list[Any]:
+        seen = fill_views(self.edl, pose_index)
+        places = {view.camera.name: view.placement for view in seen.views}
+        colours = {view.camera.name: view.colour for view in seen.views if view.colour is not None}
+        return [[seen.still.start, seen.still.stop], places, colours, [self._source(view) for view in seen.views]]
 
-    def _source_now(self, name: str) -> Any:
-        camera = self.edl.camera(name)
-        clock = [camera.clock.offset_s, camera.clock.drift_ppm]
-        gaps = [[g.start, g.stop] for g in camera.gaps]
-        return [name, media_fingerprints(camera, self.base), list(camera.size), clock, gaps]
+    def _source(self, view: View) -> list[Any]:
+        return [view.camera.name, self._files(view.camera.name), list(view.camera.size), view.clock, view.gaps]
 
-
-def _offsets(edl: Edl, part: FrameRange) -> list[Any]:
-    """The centering over ``part``: its ends and the keys between, which is all that linear motion depends on."""
-    inside = [key[0] for key in edl.centering if part.start < key[0] < part.stop - 1]
-    return [[frame, *offset_at(edl.centering, frame)] for frame in (part.start, *inside, part.stop - 1)]
+    def _files_now(self, name: str) -> list[str]:
+        return media_fingerprints(self.edl.camera(name), self.base)
 
 
 def _digest(value: Any) -> str:

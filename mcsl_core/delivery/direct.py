@@ -2,83 +2,83 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
 
+from attrs import frozen
+
 from mcsl_core.compositing.compositor import Compositor
-from mcsl_core.edl import Edl
-from mcsl_core.filling.protocol import Filler
-from mcsl_core.imaging.planes import Planes, resize_planes
+from mcsl_core.imaging.planes import resize_planes
 from mcsl_core.imaging.warp import Resampling
 from mcsl_core.media.writing import Encoding, VideoWriter
 from mcsl_core.progress import Progress, Silent
 from mcsl_core.recording.footage import footage_of
 from mcsl_core.timing import FrameRange
 
-from .audio import AUDIO_RATE, sound_of
+from .audio import AUDIO_RATE
+from .source import ProgrammeSource
 
-# ---------------------------------------------------------------------------------------------------------- direct
 
+@frozen
+class VideoFormat:
+    """What kind of video is written.
 
-def programme_frames(
-    edl: Edl,
-    base: Path,
-    piece: FrameRange | None = None,
-    *,
-    filler: Filler | None = None,
-    resampling: Resampling = "linear",
-) -> Iterator[Planes]:
-    """The programme's pictures over ``piece`` (all of it without), one after another, in flat memory."""
-    with Compositor(edl, footage_of(edl, base, threads=0), filler=filler, resampling=resampling) as compositor:
-        yield from compositor.frames(piece or FrameRange(0, edl.frames))
+    Parameters
+    ----------
+    encoding
+        Of pictures and sound; the writer's own without.
+    size
+        (width, height), even; the programme's without.
+    keyframe_interval
+        Most frames from keyframe to keyframe; the encoder's own without.
+    audio_channels
+        How many there are; the sound is the same in each.
+    resampling
+        How the cameras' pictures are brought into the programme.
+    """
+
+    encoding: Encoding | None = None
+    size: tuple[int, int] | None = None
+    keyframe_interval: int | None = None
+    audio_channels: int = 1
+    resampling: Resampling = "linear"
 
 
 def write_direct(
-    edl: Edl,
-    base: Path,
+    source: ProgrammeSource,
     path: Path,
     *,
-    encoding: Encoding | None = None,
-    size: tuple[int, int] | None = None,
+    video: VideoFormat = VideoFormat(),
     piece: FrameRange | None = None,
-    filler: Filler | None = None,
-    audio_from: str | None = None,
-    audio_channels: int = 1,
-    keyframe_interval: int | None = None,
-    resampling: Resampling = "linear",
     progress: Progress | None = None,
 ) -> None:
-    """Writes the programme (or ``piece`` of it) with sound to ``path`` without Blender, in flat memory.
-
-    size: (width, height) of the video, even; the programme's without. The sound is the camera ``audio_from``'s, the
-    reference's without; the same in every channel.
-    """
+    """Writes the programme (or ``piece`` of it) with sound to ``path`` without Blender, in flat memory."""
     progress = progress or Silent()
+    edl = source.edl
     piece = piece or FrameRange(0, edl.frames)
-    camera = sound_of(edl, audio_from)
-    footage = footage_of(edl, base, threads=0)
+    size, camera = video.size or edl.size, source.sound_camera
+    footage = footage_of(edl, source.base, threads=0)
     audible = any(part.facts.has_audio for part in footage.parts(camera))
     start_s, stop_s = (Fraction(frame) / edl.rate for frame in (piece.start, piece.stop))
     progress.stage("Writing the programme", len(piece), "frames")
     sound = footage.audio_blocks(camera, start_s, stop_s, AUDIO_RATE, block_s=1.0)
     with (
-        Compositor(edl, footage, filler=filler, resampling=resampling) as compositor,
+        Compositor(edl, footage, filler=source.filler, resampling=video.resampling) as compositor,
         VideoWriter(
             path,
-            size=size or edl.size,
+            size=size,
             rate=edl.rate,
-            encoding=encoding,
-            keyframe_interval=keyframe_interval,
+            encoding=video.encoding,
+            keyframe_interval=video.keyframe_interval,
             audio_rate=AUDIO_RATE if audible else None,
-            audio_channels=audio_channels,
+            audio_channels=video.audio_channels,
         ) as writer,
     ):
         for done, planes in enumerate(compositor.frames(piece), start=1):
-            writer.write(resize_planes(planes, size or edl.size))
+            writer.write(resize_planes(planes, size))
             while audible and writer.samples * edl.rate < done * AUDIO_RATE:  # side by side, as players read them
                 block = next(sound, None)
                 if block is None:
                     break
-                writer.write_audio(block[:, None].repeat(audio_channels, axis=1))
+                writer.write_audio(block[:, None].repeat(video.audio_channels, axis=1))
             progress.advance(done)

@@ -8,7 +8,7 @@ by the compositor; docs/evaluation.md says how each figure comes about.
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from contextlib import closing
 from itertools import groupby
 from pathlib import Path
@@ -28,7 +28,6 @@ from mcsl_core.edl.placement import placement_matrix
 from mcsl_core.edl.resolve import Decision, offset_at, resolve, shift_at
 from mcsl_core.errors import UsageError
 from mcsl_core.imaging.planes import U8, Planes
-from mcsl_core.imaging.psnr import psnr
 from mcsl_core.progress import Progress, Silent
 from mcsl_core.timing import FrameRange
 
@@ -46,23 +45,6 @@ def without_alignment(edl: Edl) -> Edl:
         attrs.evolve(p, homographies=dict.fromkeys(names, IDENTITY), anchor=IDENTITY, weak=()) for p in edl.poses
     )
     return attrs.evolve(edl, poses=poses, corrections=(), look=Look(centering=False, fill=False, colour=False))
-
-
-def interframe_fidelity(pictures: Iterable[NDArray[np.uint8]], *, ceiling_db: float = 60.0) -> float:
-    """ITF in dB: the mean PSNR between neighbouring pictures (the paper's equation for ITF). Higher is steadier.
-
-    pictures: (H, W) or (H, W, 3) uint8, at least two. Equal neighbours count as ``ceiling_db``, since their PSNR is
-    infinite.
-    """
-    values: list[float] = []
-    before: NDArray[np.uint8] | None = None
-    for picture in pictures:
-        if before is not None:
-            values.append(min(psnr(before, picture), ceiling_db))
-        before = picture
-    if not values:
-        raise ValueError("ITF needs at least two pictures")
-    return math.fsum(values) / len(values)
 
 
 # -------------------------------------------------------------------------------------------------------- variants

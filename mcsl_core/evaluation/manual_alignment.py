@@ -23,18 +23,12 @@ from mcsl_core.documents import make_converter, read_json, structure_document
 from mcsl_core.edl import IDENTITY, Edl, Matrix, Pose, Weak
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.errors import DocumentError, Fault, InputError
+from mcsl_core.imaging.geometry import to_edl_matrix
 
 FITS = ("similarity", "homography")
 COLUMNS = ("pose", "camera", "x", "y", "programme_x", "programme_y")
 
 ByHand = Mapping[int, Mapping[str, Matrix]]  # pose index -> camera -> camera pixel to programme pixel
-
-
-def _scaled(values: ArrayLike) -> Matrix:
-    """A 3x3 array as the EDL writes it, its last element 1."""
-    matrix = np.asarray(values, np.float64)
-    rows = [tuple(float(v) for v in row) for row in matrix / matrix[2, 2]]
-    return rows[0], rows[1], rows[2]  # pyright: ignore[reportReturnType]
 
 
 def _points(source: ArrayLike, target: ArrayLike, least: int) -> tuple[NDArray, NDArray]:
@@ -71,7 +65,7 @@ def homography_from_points(source: ArrayLike, target: ArrayLike) -> Matrix:
     found, _ = cv2.findHomography(a, b, 0)
     if found is None or abs(np.linalg.det(found)) < 1e-12 or abs(found[2, 2]) < 1e-12:
         raise ValueError("the points lie on a line")
-    return _scaled(found)
+    return to_edl_matrix(found)
 
 
 @frozen
@@ -163,7 +157,7 @@ def _solved(entry: _Entry, size: tuple[int, int], programme: tuple[int, int], fi
     if entry.transform is not None:
         return entry.transform.matrix(size, programme)
     if entry.homography is not None:
-        return _scaled(entry.homography)
+        return to_edl_matrix(entry.homography)
     points = np.array(entry.points)
     made = similarity_from_points if fit == "similarity" else homography_from_points
     return made(points[:, :2], points[:, 2:])
@@ -221,11 +215,11 @@ def _by_hand(edl: Edl, pose: Pose, matrices: Mapping[str, Matrix]) -> Pose:
     given = {name: np.array(matrix, np.float64) for name, matrix in matrices.items()}
     anchor = given.pop(edl.reference, np.eye(3))
     back = np.linalg.inv(anchor)
-    homographies = {name: _scaled(back @ matrix) for name, matrix in given.items()}
+    homographies = {name: to_edl_matrix(back @ matrix) for name, matrix in given.items()}
     lacking = [c.name for c in edl.cameras if c.name not in given and c.name != edl.reference]
     return attrs.evolve(
         pose,
         homographies={edl.reference: IDENTITY, **homographies},
-        anchor=_scaled(anchor),
+        anchor=to_edl_matrix(anchor),
         weak=tuple(Weak(name, "not aligned by hand") for name in lacking),
     )

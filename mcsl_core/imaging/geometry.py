@@ -6,7 +6,7 @@ Pixel centres lie at integers (OpenCV's convention).
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from mcsl_core.edl import Matrix
 from mcsl_core.edl.placement import fit_matrix
@@ -54,8 +54,8 @@ def size_at_columns(size: tuple[int, int], columns: int) -> tuple[int, int]:
     return columns, max(1, round(size[1] * columns / size[0]))
 
 
-def to_edl_matrix(homography: Array) -> Matrix:
+def to_edl_matrix(homography: ArrayLike) -> Matrix:
     """A 3x3 array as the EDL writes it, scaled so that the last element is 1."""
-    h = np.asarray(homography, float) / homography[2, 2]
-    rows = [tuple(float(v) for v in row) for row in h]
+    matrix = np.asarray(homography, np.float64)
+    rows = [tuple(float(v) for v in row) for row in matrix / matrix[2, 2]]
     return rows[0], rows[1], rows[2]  # pyright: ignore[reportReturnType]

@@ -193,10 +193,6 @@ class RemapTables:
     luma: NDArray[np.float32]
     chroma: NDArray[np.float32]
 
-    @property
-    def nbytes(self) -> int:
-        return self.luma.nbytes + self.chroma.nbytes
-
 
 def warp_field_maps(
     matrix: Homography, warp_field: WarpField, rect: Rect, offset: tuple[float, float] = (0.0, 0.0)

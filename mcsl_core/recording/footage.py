@@ -10,19 +10,18 @@ that is late by two frames at most is muxers' rounding, and the first picture st
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from threading import Lock
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mcsl_core.edl import Camera, Edl
 from mcsl_core.imaging.planes import U8, Planes, median_planes, planes_to_bgr, resize_planes
+from mcsl_core.lru_cache import LruCache
 from mcsl_core.media.frames import to_planes
 from mcsl_core.media.probing import probe
 from mcsl_core.timing import FrameRange
@@ -30,7 +29,7 @@ from mcsl_core.timing import FrameRange
 from .audio import camera_audio
 from .decoder import DecodedFrame, Decoder, Part, exact_camera_time
 
-_KEPT_MEDIANS, _KEPT_NEAR = 16, 40  # 3 MB each at 1080p
+_MEDIANS, _KEYFRAMES = 16, 40  # pictures' worth of medians, and of what they are made from; 3 MB each at 1080p
 
 
 class Player:
@@ -92,9 +91,9 @@ class Footage:
         self._threads = threads
         self._by_name = {camera.name: camera for camera in self.cameras}
         self._parts: dict[str, tuple[Part, ...]] = {}
-        self._medians: dict[Any, Planes | None] = {}
-        self._near: dict[Any, Planes | None] = {}
-        self._lock = Lock()
+        picture_bytes = max((c.size[0] * c.size[1] * 3 // 2 for c in self.cameras), default=1)
+        self._medians: LruCache[Planes | None] = LruCache(_MEDIANS * picture_bytes)
+        self._keyframes: LruCache[Planes | None] = LruCache(_KEYFRAMES * picture_bytes)
 
     def camera(self, name: str) -> Camera:
         """The camera of that name.
@@ -141,7 +140,7 @@ class Footage:
         The latest medians are kept, for whoever asks next.
         """
         key = camera, tuple(frames)
-        return self._kept(self._medians, _KEPT_MEDIANS, key, lambda: self._median(camera, frames, within))
+        return self._medians.get(key, lambda: self._median(camera, frames, within))
 
     def _median(self, camera: str, frames: Sequence[int], within: FrameRange) -> Planes | None:
         half_way = min((b - a for a, b in zip(frames, frames[1:], strict=False)), default=0) / 2
@@ -155,22 +154,9 @@ class Footage:
                 return None if shown is None else self.full_picture(camera, shown)
 
             keys = [(camera, frame, half_way, within) for frame in frames]
-            found = [self._kept(self._near, _KEPT_NEAR, key, partial(near, key[1])) for key in keys]
+            found = [self._keyframes.get(key, partial(near, key[1])) for key in keys]
         pictures = [picture for picture in found if picture is not None]
         return median_planes(pictures) if pictures else None
-
-    def _kept(self, kept: dict[Any, Planes | None], most: int, key: Any, make: Callable[[], Planes | None]):
-        with self._lock:
-            if key in kept:
-                kept[key] = kept.pop(key)  # the latest used is the last to go
-                return kept[key]
-        planes = make()
-        with self._lock:
-            kept.pop(key, None)
-            while len(kept) >= most:
-                del kept[next(iter(kept))]
-            kept[key] = planes
-        return planes
 
     def planes(self, camera: str, piece: FrameRange) -> Iterator[Planes | None]:
         """Full-size pictures of consecutive programme frames.

@@ -40,6 +40,15 @@ class _Shown:
     left_out: str
 
 
+@frozen
+class Lacking:
+    """The words that stand in place of what is not there; empty where it is."""
+
+    scores: str = ""
+    pictures: str = ""
+    figures: str = ""
+
+
 def write_report(
     edl_path: Path, out: Path, *, figures_path: Path | None = None, progress: Progress | None = None
 ) -> None:
@@ -58,7 +67,7 @@ def write_report(
     if evaluation is None:
         evaluation, no_figures = _evaluated(edl, base, progress)
     steady = None if evaluation is None else steady_facts(evaluation)
-    text = page(edl, edl_path.name, measured, no_scores, pictures, no_pictures, steady, no_figures)
+    text = page(edl, edl_path.name, measured, pictures, steady, Lacking(no_scores, no_pictures, no_figures))
     write_atomic(out, text.encode())
 
 
@@ -113,13 +122,11 @@ def page(
     edl: Edl,
     file: str,
     measured: Measurements | None,
-    no_scores: str,
     pictures: list[PosePictures | None],
-    no_pictures: str,
     steady: SteadyFacts | None,
-    no_figures: str,
+    lacking: Lacking,
 ) -> str:
-    """The page as HTML. file: the EDL's name. pictures: one entry a pose. no_...: the words where something lacks."""
+    """The page as HTML. file: the EDL's name. pictures: one entry a pose."""
     facts = gather(edl, measured)
     colours = dict(facts.cameras)
     shown = []
@@ -145,9 +152,9 @@ def page(
         facts=facts,
         shown=shown,
         steady=steady,
-        no_scores=no_scores,
-        no_pictures=no_pictures,
-        no_figures=no_figures,
+        no_scores=lacking.scores,
+        no_pictures=lacking.pictures,
+        no_figures=lacking.figures,
     )
 
 

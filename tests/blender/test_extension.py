@@ -165,9 +165,10 @@ def test_the_log_warns_when_a_file_shows_other_than_it_decides(project, blender,
     from mcsl_core import edl as edls
     from mcsl_core.blender.timeline import build_timeline
     from mcsl_core.delivery.conform import conform, default_folder
+    from mcsl_core.delivery.source import ProgrammeSource
 
     edl = project / "edl.json"
-    conform(edls.load(edl), project, default_folder(edl), jobs=1)
+    conform(ProgrammeSource(edls.load(edl), project), default_folder(edl), jobs=1)
     built = project / "edit.blend"
     assert build_timeline(edl, built, blender=blender).conformed == 1
     in_blender(blender, built, "at(5, 10).multicam_source = 2")

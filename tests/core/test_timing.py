@@ -16,10 +16,8 @@ from mcsl_core.timing import (
     cut_points,
     format_rate,
     format_time,
-    frame_at,
     merge_equal,
     parse_rate,
-    time_of,
 )
 
 R = FrameRange
@@ -53,18 +51,6 @@ def test_rates_people_write(text, rate):
 def test_what_is_no_rate_is_refused(text):
     with pytest.raises(ValueError, match=r"expected a rate such as|must be positive"):
         parse_rate(text)
-
-
-@given(st.integers(0, 10**7), rates)
-def test_a_frame_is_shown_from_its_time_to_just_before_the_next(frame, rate):
-    assert frame_at(time_of(frame, rate), rate) == frame
-    assert frame_at(time_of(frame + 1, rate) - Fraction(1, 10**12), rate) == frame
-
-
-def test_no_drift_after_hours_at_an_ntsc_rate():
-    rate = Fraction(30000, 1001)
-    assert time_of(30000, rate) == 1001
-    assert frame_at(Fraction(1001 * 10), rate) == 300_000
 
 
 @pytest.mark.parametrize(

@@ -30,12 +30,13 @@ from pathlib import Path
 import av
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
 sys.path.insert(0, str(Path(__file__).parent))
 import chroot
 from chroot import DOOR, Bound
+from pictures import psnr
 
 from mcsl_core import edl as edls
-from mcsl_core.imaging.psnr import psnr
 
 ROOT = Path(__file__).resolve().parents[2]
 STEPS = ("install", "desk", "conform", "render", "window")

@@ -19,7 +19,7 @@ from mcsl_learned_occlusion.model import CLASSES, Model
 from mcsl_learned_occlusion.training import Training, train
 
 from mcsl_core import edl
-from mcsl_core.analysis.cache import identity
+from mcsl_core.analysis.stage_keys import identity
 from mcsl_core.hooks import InputError, Silent, UsageError, discover
 from mcsl_core.simulation import Scenario, simulate
 

@@ -12,7 +12,7 @@ from mcsl_onnx_occlusion.description import read_description
 from mcsl_onnx_occlusion.network import Network
 
 import mcsl_core as mcsl
-from mcsl_core.analysis.cache import identity
+from mcsl_core.analysis.stage_keys import identity
 from mcsl_core.hooks import AlignedPose, DocumentError, InputError, Silent, UsageError, discover
 from mcsl_core.simulation import Scenario, simulate
 

@@ -120,9 +120,10 @@ def test_pulling_from_outside_takes_stale_pictures_away_as_well(built, blender):
     """Conformed, then edited in a Blender without the extension: `mcsl pull` leaves a .blend that shows no lie."""
     from mcsl_core.blender.timeline import build_timeline, pull_overrides
     from mcsl_core.delivery.conform import conform, default_folder
+    from mcsl_core.delivery.source import ProgrammeSource
 
     edl = built.parent / "edl.json"
-    conform(edls.load(edl), built.parent, default_folder(edl), jobs=1)
+    conform(ProgrammeSource(edls.load(edl), built.parent), default_folder(edl), jobs=1)
     build_timeline(edl, built, blender=blender)
     before = built.read_bytes()
     pull_overrides(built, blender=blender)

@@ -3,10 +3,10 @@
 import cv2
 import numpy as np
 import pytest
+from pictures import psnr
 
 from mcsl_core.alignment.colour_match import IDENTITY, apply_colour, as_matrix, match_colours
 from mcsl_core.imaging.planes import Planes, bgr_to_planes, planes_to_bgr, upsample_chroma
-from mcsl_core.imaging.psnr import psnr
 
 
 def texture(seed=0, size=(320, 240)):

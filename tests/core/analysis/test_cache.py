@@ -6,12 +6,11 @@ import shutil
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from mcsl_core import edl
 from mcsl_core.analysis import pipeline
-from mcsl_core.analysis.cache import StageCache, code_digest, identity
+from mcsl_core.analysis.cache import CLOCKS, Deferred, StageCache
 from mcsl_core.analysis.pipeline import cache_folder
 from mcsl_core.analysis.settings import AnalysisSettings
 from mcsl_core.hooks import registry as plugins
@@ -134,9 +133,7 @@ def test_a_plugin_that_is_being_written_is_asked_again(
         sys.dont_write_bytecode, before = True, sys.dont_write_bytecode
         loaded = __import__("halves")
         sys.dont_write_bytecode = before
-        code_digest.cache_clear()
         offered = plugins.discover([(loaded, "halves", "1")])
-        assert identity(offered.choose("occlusion", "halves"))[2]
         stages = analyse(recording, out, offered=offered, occlusion="halves")
         assert "Scoring the views" in stages
         scored.append({round(s.score, 2) for s in edl.load(out).shots})
@@ -144,11 +141,26 @@ def test_a_plugin_that_is_being_written_is_asked_again(
 
 
 def test_a_stage_keeps_its_latest_results_only(tmp_path: Path) -> None:
-    from mcsl_core.analysis.cache import CLOCKS
-
     cache = StageCache(tmp_path, Silent())
     for number in range(9):
-        cache.remember("clocks", str(number), lambda n=number: (edl.Clock(offset_s=n),), CLOCKS)
+        cache.remember(CLOCKS, str(number), lambda n: (edl.Clock(offset_s=n),), number)
     assert sorted(p.name for p in tmp_path.iterdir()) == [f"clocks-{n}.npz" for n in (5, 6, 7, 8)]
-    assert cache.remember("clocks", "8", lambda: pytest.fail("made again"), CLOCKS) == (edl.Clock(offset_s=8),)
-    np.testing.assert_equal(cache.remember("clocks", "0", lambda: (edl.Clock(),), CLOCKS), (edl.Clock(),))
+    assert cache.remember(CLOCKS, "8", pytest.fail, "made again") == (edl.Clock(offset_s=8),)
+    assert cache.remember(CLOCKS, "0", lambda: (edl.Clock(),)) == (edl.Clock(),)
+
+
+def test_what_a_step_needs_is_made_for_the_first_step_that_runs_and_for_none_that_does_not(tmp_path: Path) -> None:
+    made: list[str] = []
+    whole = Deferred(lambda name: made.append(name) or 3, "samples")
+    half = Deferred(lambda of, by: made.append("half") or of / by, whole, by=2)
+    cache = StageCache(tmp_path, Silent())
+    step = lambda offset, more=0: (edl.Clock(offset_s=offset + more),)  # noqa: E731
+    assert made == []
+    assert cache.remember(CLOCKS, "a", step, 1) == (edl.Clock(offset_s=1),)
+    assert made == []
+    for _ in range(2):
+        assert cache.remember(CLOCKS, "b", step, half, more=whole) == (edl.Clock(offset_s=4.5),)
+        assert made == ["samples", "half"]
+    assert cache.remember(CLOCKS, "c", step, whole) == (edl.Clock(offset_s=3),)
+    assert made == ["samples", "half"]
+    assert StageCache(None, Silent()).remember(CLOCKS, "a", step, half) == (edl.Clock(offset_s=1.5),)

@@ -6,6 +6,7 @@ import attrs
 import cv2
 import numpy as np
 import pytest
+from pictures import psnr
 
 from mcsl_core.alignment.colour_match import as_matrix
 from mcsl_core.compositing.compositor import Compositor
@@ -15,7 +16,6 @@ from mcsl_core.edl.placement import fit_matrix
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.paper import PaperFiller
 from mcsl_core.imaging.planes import Planes, bgr_to_planes
-from mcsl_core.imaging.psnr import psnr
 from mcsl_core.imaging.rect import Rect
 from mcsl_core.imaging.warp import warp_planes
 from mcsl_core.media.writing import Encoding, VideoWriter

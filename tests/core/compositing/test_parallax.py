@@ -5,6 +5,7 @@ from fractions import Fraction
 import cv2
 import numpy as np
 import pytest
+from pictures import psnr
 
 from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.compositing.parallax import residual_parallax
@@ -12,7 +13,6 @@ from mcsl_core.edl import Camera, Edl, Look, Media, Pose, Shot
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.imaging.geometry import translation
 from mcsl_core.imaging.planes import bgr_to_planes, planes_to_bgr
-from mcsl_core.imaging.psnr import psnr
 from mcsl_core.imaging.rect import Rect
 from mcsl_core.imaging.warp import (
     WarpField,

@@ -10,6 +10,7 @@ import pytest
 from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.delivery.conform import conform
 from mcsl_core.delivery.quality import Quality
+from mcsl_core.delivery.source import ProgrammeSource
 from mcsl_core.edl import Camera, Edl, Look, Media, Pose, Shot
 from mcsl_core.imaging.planes import Planes, bgr_to_planes
 from mcsl_core.imaging.rect import Rect
@@ -134,7 +135,7 @@ def test_a_lossless_conform_holds_the_cameras_bits(tmp_path):
         for _ in range(4)
     ]
     edl = programme(tmp_path, pictures, look=Look(False, False, False))
-    done = conform(edl, tmp_path, tmp_path / "out", quality=Quality("lossless", LOSSLESS, 30))
+    done = conform(ProgrammeSource(edl, tmp_path), tmp_path / "out", quality=Quality("lossless", LOSSLESS, 30))
     with av.open(str(done.path(done.chunks[0]))) as container:
         frames = list(container.decode(video=0))
     assert [(f.colorspace, f.color_range, f.format.name) for f in frames] == [(1, 1, "yuv420p")] * 4

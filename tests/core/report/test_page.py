@@ -32,7 +32,7 @@ from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.progress import Silent
 from mcsl_core.report.charts import BINS, HEIGHT, WIDTH, bar, binned, line, short_time, time_ticks
 from mcsl_core.report.facts import gather
-from mcsl_core.report.page import page, write_report
+from mcsl_core.report.page import Lacking, page, write_report
 from mcsl_core.report.pictures import clearest, superimposed
 from mcsl_core.simulation import Scenario, simulate
 from mcsl_core.timing import FrameRange
@@ -173,7 +173,8 @@ def parsed(text: str) -> _Balance:
 
 
 def bare(edl: Edl, measured: Measurements | None = None) -> str:
-    return page(edl, "edl.json", measured, "", [None] * len(edl.poses), "no pictures here", None, "no figures here")
+    lacking = Lacking("", "no pictures here", "no figures here")
+    return page(edl, "edl.json", measured, [None] * len(edl.poses), None, lacking)
 
 
 @settings(max_examples=25)

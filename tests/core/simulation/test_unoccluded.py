@@ -3,8 +3,8 @@
 import attrs
 import numpy as np
 import pytest
+from pictures import psnr
 
-from mcsl_core.imaging.psnr import psnr
 from mcsl_core.simulation import Scenario
 from mcsl_core.simulation.clocks import clocks
 from mcsl_core.simulation.ground import Ground

@@ -1,0 +1,104 @@
+"""What the picture of a programme frame depends on, as far as the EDL tells it.
+
+Said once, for whoever asks whether a picture that was made still holds: the keys of conformed chunks
+(`delivery.chunk_keys`, which add what only the files tell) and the add-on (`blender_addon/core/stale.py`). Over each
+stretch of `resolve_by_pose` all frames depend on the same, but for the centering. Plain values, no numpy: Blender's
+side uses it too.
+"""
+
+from __future__ import annotations
+
+from attrs import frozen
+
+from mcsl_core.timing import FrameRange
+
+from .placement import first_of_perspective, other_poses, placement_matrix, still_range
+from .resolve import Decision, offset_at
+from .schema import Camera, Edl, Matrix, Matrix34, Pose
+
+Offset = tuple[float, float]
+
+
+@frozen
+class View:
+    """One camera's part in the pictures of a pose: its files on its clock, where it is laid, in which colours.
+
+    placement: camera pixel -> programme pixel before centering; None where that is not known. colour: None where its
+    colours stay as they are.
+    """
+
+    camera: Camera
+    placement: Matrix | None
+    colour: Matrix34 | None
+
+    @property
+    def clock(self) -> list[float]:
+        return [self.camera.clock.offset_s, self.camera.clock.drift_ppm]
+
+    @property
+    def gaps(self) -> list[list[int]]:
+        return [[gap.start, gap.stop] for gap in self.camera.gaps]
+
+
+@frozen
+class FillViews:
+    """What the fill may look at of one pose: when the lamp stands still in it, and the cameras whose place is known."""
+
+    still: FrameRange
+    views: tuple[View, ...]
+
+
+def views_of(edl: Edl, pose: Pose, decision: Decision) -> tuple[View, ...]:
+    """The cameras that may be looked at under ``decision``, in the EDL's order.
+
+    They are the shot's, the reference, which stands in where the shot's has no picture, and for the fill all that it
+    can lay somewhere.
+    """
+    found = []
+    for camera in edl.cameras:
+        placement = placement_matrix(edl, pose, camera.name)
+        if camera.name in (decision.camera, edl.reference) or (decision.fill and placement is not None):
+            colour = pose.colour[camera.name].matrix if decision.colour and camera.name in pose.colour else None
+            found.append(View(camera, placement, colour))
+    return tuple(found)
+
+
+def fill_views(edl: Edl, pose_index: int) -> FillViews:
+    """What the fill may look at of a pose; in its colours, whether they are matched or not."""
+    pose = edl.poses[pose_index]
+    placed = [(camera, placement_matrix(edl, pose, camera.name)) for camera in edl.cameras]
+    views = [
+        View(camera, placement, pose.colour[camera.name].matrix if camera.name in pose.colour else None)
+        for camera, placement in placed
+        if placement is not None
+    ]
+    return FillViews(still_range(edl, pose), tuple(views))
+
+
+def poses_filled_from(edl: Edl, pose_index: int, *, alone: bool) -> tuple[int, ...]:
+    """The poses that the fill of a pose looks at beside itself.
+
+    The first of its perspective, whose parallax is the perspective's; and unless the pose's own cameras fill it
+    ``alone``, the others of the perspective, the nearest earlier ones first.
+    """
+    return first_of_perspective(edl, pose_index), *(() if alone else other_poses(edl, pose_index))
+
+
+def follows_centering(decision: Decision) -> bool:
+    """Whether the picture's place depends on the EDL's centering keys: where it follows them, or glides to or from."""
+    return decision.centering and (decision.offset is None or any(ease.other is None for ease in decision.eases))
+
+
+def offsets_over(edl: Edl, part: FrameRange) -> list[tuple[int, float, float]]:
+    """The automatic centering over ``part``: frame, x and y at its ends and the keys between.
+
+    That is all that linear motion depends on.
+    """
+    inside = [frame for frame, _, _ in edl.centering if part.start < frame < part.stop - 1]
+    return [(frame, *offset_at(edl.centering, frame)) for frame in (part.start, *inside, part.stop - 1)]
+
+
+def offset_bounds(edl: Edl, part: FrameRange) -> tuple[Offset, Offset]:
+    """The least and the greatest offsets of the automatic centering over ``part``."""
+    _, x, y = zip(*offsets_over(edl, part), strict=True)
+    return (min(x), min(y)), (max(x), max(y))

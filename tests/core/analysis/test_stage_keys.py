@@ -1,0 +1,169 @@
+"""Keys of stages follow the code that a stage uses and what it consumes, and nothing else.
+
+A copy of the package is edited, and asked about in place of the one that runs.
+"""
+
+from __future__ import annotations
+
+import shutil
+from fractions import Fraction
+from pathlib import Path
+
+import attrs
+import pytest
+
+from mcsl_core import code_keys
+from mcsl_core.alignment.settings import SolveSettings
+from mcsl_core.analysis.settings import AnalysisSettings
+from mcsl_core.analysis.stage_keys import identity, stage_keys
+from mcsl_core.edl import Camera, Media, Shot
+from mcsl_core.hooks.registry import Plugins, discover
+from mcsl_core.hooks.stages import STAGES
+from mcsl_core.timing import FrameRange
+
+STAGE_NAMES = ("clocks", "samples", "movements", "poses", "scores", "cuts")
+SHOTS = (Shot(FrameRange(0, 50), "a"), Shot(FrameRange(50, 90), "b"))
+
+
+def keys(
+    *, media: str = "fa", rate: int = 25, shots: tuple[Shot, ...] = SHOTS, plugins: Plugins | None = None, **settings
+) -> dict[str, str]:
+    plugins = plugins or discover()
+    made = AnalysisSettings(**settings)
+    files = (("a", media), ("b", "fb"))
+    cameras = [Camera(name, (Media(f"{name}.mp4", 90, print_),), (320, 180), Fraction(25)) for name, print_ in files]
+    chosen = {stage: plugins.choose(stage, made.stages.get(stage)) for stage in STAGES}
+    found = stage_keys(cameras, "a", Fraction(rate), 90, made, chosen)
+    return {**attrs.asdict(found), "cuts": found.cuts(shots)}
+
+
+def changed(before: dict[str, str], after: dict[str, str]) -> set[str]:
+    assert set(before) == set(after) == set(STAGE_NAMES)
+    return {name for name in before if before[name] != after[name]}
+
+
+def from_stage(name: str) -> set[str]:
+    """A stage and all that are made from it."""
+    return set(STAGE_NAMES[STAGE_NAMES.index(name) :])
+
+
+@pytest.fixture
+def tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A copy of the package, of which keys are asked."""
+    copy = tmp_path / "mcsl_core"
+    shutil.copytree(code_keys._ROOT, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(code_keys, "_ROOT", copy)
+    return copy
+
+
+def test_a_copy_has_the_same_keys(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = keys()
+    shutil.copytree(code_keys._ROOT, tmp_path / "copy", ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(code_keys, "_ROOT", tmp_path / "copy")
+    assert keys() == before
+
+
+@pytest.mark.parametrize(
+    ("file", "first"),
+    [
+        ("report/charts.py", None),
+        ("cli/main.py", None),
+        ("simulation/scenario.py", None),
+        ("delivery/conform.py", None),
+        ("compositing/compositor.py", None),
+        ("evaluation/metrics.py", None),
+        ("hooks/registry.py", None),
+        ("selection/selectors.py", None),
+        ("analysis/pipeline.py", None),
+        ("centering/field.py", None),
+        ("__init__.py", None),
+        ("occlusion/hue_area.py", None),  # not the detector chosen
+        ("movement/paper.py", None),
+        ("media/reading.py", "clocks"),
+        ("sync/motion.py", "clocks"),
+        ("recording/keyframe_sampling.py", "samples"),
+        ("movement/stillness.py", "movements"),
+        ("movement/displacement.py", "movements"),
+        ("alignment/features.py", "poses"),
+        ("alignment/anchoring.py", "poses"),
+        ("occlusion/consensus.py", "scores"),
+        ("selection/switch_refinement.py", "cuts"),
+    ],
+)
+def test_a_changed_module_changes_the_stages_that_use_it_and_what_is_made_from_them(
+    tree: Path, file: str, first: str | None
+) -> None:
+    before = keys()
+    path = tree / file
+    path.write_text(path.read_text() + "\nADDED = 1\n")
+    assert changed(before, keys()) == (set() if first is None else from_stage(first))
+
+
+def test_words_and_layout_are_no_code(tree: Path) -> None:
+    before = keys()
+    for path in tree.rglob("*.py"):
+        text = path.read_text()
+        path.write_text("# a comment\n" + text.replace('"""', '"""Other words. ', 1).replace("\n\n\n", "\n\n\n\n"))
+    assert keys() == before
+
+
+@pytest.mark.parametrize(
+    ("change", "first"),
+    [
+        ({"media": "other"}, "clocks"),
+        ({"sync": "none"}, "clocks"),
+        ({"rate": 50}, "samples"),
+        ({"sample_s": 2.0}, "samples"),
+        ({"stages": {"movement": "misalignment"}}, "movements"),
+        ({"solve": SolveSettings(scene_width=200)}, "poses"),
+        ({"stages": {"occlusion": "hue-area"}}, "scores"),
+        ({"stages": {"selector": "least-occluded"}}, None),
+        ({"shots": SHOTS[:1]}, "cuts"),
+        ({"gaze": (Path("gaze.csv"),)}, None),
+    ],
+    ids=str,
+)
+def test_a_changed_choice_changes_the_stages_it_is_for(change: dict, first: str | None) -> None:
+    if "movement" in change.get("stages", {}):
+        other = [o.name for o in discover().offers if o.stage == "movement" and o.name != STAGES["movement"].default]
+        change = {"stages": {"movement": other[0]}}
+    assert changed(keys(), keys(**change)) == (set() if first is None else from_stage(first))
+
+
+PLUGIN = """
+from mcsl_core.hooks.specs import hookimpl
+from mcsl_core.occlusion.consensus import Consensus
+class Halves(Consensus):
+    name = "halves"
+@hookimpl
+def register_occlusion_detectors():
+    return [Halves()]
+"""
+
+
+def test_a_plugin_is_asked_by_all_of_its_source_and_what_it_takes_from_mcsl(
+    tree: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "halves").mkdir()
+    (tmp_path / "halves/__init__.py").write_text(PLUGIN)
+    (tmp_path / "halves/beside.py").write_text("X = 1\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    offered = discover([(__import__("halves"), "halves", "1")])
+    ask = {"plugins": offered, "stages": {"occlusion": "halves"}}
+    before = keys(**ask)
+    assert identity(offered.choose("occlusion", "halves"))[0] == "halves (halves 1)"
+    (tmp_path / "halves/beside.py").write_text("X = 2\n")
+    after = keys(**ask)
+    assert changed(before, after) == from_stage("scores")
+    path = tree / "occlusion/consensus.py"
+    path.write_text(path.read_text() + "\nADDED = 1\n")
+    assert changed(after, keys(**ask)) == from_stage("scores")
+
+
+def test_another_version_of_a_library_is_other_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = keys()
+    real = code_keys._version
+    monkeypatch.setattr(code_keys, "_version", lambda name: "99" if name == "sklearn" else real(name))
+    assert keys() == before, "only the detector of the paper uses it"
+    monkeypatch.setattr(code_keys, "_version", lambda name: "99" if name == "poselib" else real(name))
+    assert changed(before, keys()) == from_stage("poses")
