@@ -1,4 +1,4 @@
-"""Still pictures of one operation laid over each other: what the analysis does for a pose, from one picture a camera."""
+"""Still pictures laid over each other: what the analysis does for a pose, from one picture a camera."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def align(
     -------
     Alignment
         ``homographies``: camera -> 3x3 array, its pixel -> pixel of the reference. ``residual_px``, ``support``: how
-        well and by how many distinct points each is tied. ``weak``: the cameras that could not be tied in, with the reason.
+        well and by how many distinct points each is tied. ``weak``: the cameras that could not be tied in, and why.
 
     Raises
     ------
