@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.compositing.coverage import Coverage
 from mcsl_core.compositing.placement import programme_matrix
-from mcsl_core.compositing.proxy import reduced, reduced_filler, reduced_size
+from mcsl_core.compositing.proxy import proxy_edl, proxy_filler, proxy_size
 from mcsl_core.edl import Edl, Pose
 from mcsl_core.edl.placement import placement_matrix
 from mcsl_core.edl.resolve import resolve
@@ -58,11 +58,11 @@ def pose_pictures(edl: Edl, base: Path, scores: ScoreTable | None, progress: Pro
 
     Raises what reading raises.
     """
-    size = reduced_size(edl.size, WIDTH)
-    small = reduced(edl, size)
+    size = proxy_size(edl.size, WIDTH)
+    small = proxy_edl(edl, size)
     footage = Footage(small.cameras, rate=edl.rate, frames=edl.frames, base=base)
-    compositor = Compositor(small, footage, filler=reduced_filler(edl, size))
-    coverage = Coverage(small, footage, filler=reduced_filler(edl, size))
+    compositor = Compositor(small, footage, filler=proxy_filler(edl, size))
+    coverage = Coverage(small, footage, filler=proxy_filler(edl, size))
     made: list[PosePictures | None] = []
     progress.stage("Taking the report's pictures", len(edl.poses), "poses")
     with closing(compositor):

@@ -125,6 +125,6 @@ def test_looks_at_other_moments_are_darker_and_black_has_no_origin():
 
 def test_without_fill_the_chosen_camera_is_tinted_alone():
     view = scene({"ref": (0, 320), "a": (160, 320)}, {"ref": 100, "a": 180}, "a")
-    shown = ShowProvenance(FootprintFiller(16), ["ref", "a"]).bare(view)
+    shown = ShowProvenance(FootprintFiller(16), ["ref", "a"]).unfilled(view)
     assert (shown.y[120:, :150] == 16).all()
     assert chroma_at(shown, 300) != (128, 128)

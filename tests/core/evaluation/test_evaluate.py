@@ -17,7 +17,7 @@ from strategies import edls
 
 from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.compositing.coverage import Coverage
-from mcsl_core.compositing.proxy import reduced
+from mcsl_core.compositing.proxy import proxy_edl
 from mcsl_core.delivery.direct import programme_frames
 from mcsl_core.edl import IDENTITY, Camera, Colour, Edl, Look, Media, Override, Pose, Shot
 from mcsl_core.edl.resolve import resolve
@@ -332,13 +332,13 @@ def test_where_no_camera_has_a_picture_there_is_no_data(still: Path) -> None:
     assert row.switches.itf_db is None
 
 
-# ---------------------------------------------------------------------------------------------- reduced, coverage
+# ------------------------------------------------------------------------------------------------ proxy, coverage
 
 
-def test_a_reduced_programme_is_the_programme_reduced(still: Path) -> None:
+def test_a_proxy_is_the_programme_at_a_smaller_size(still: Path) -> None:
     edl = programme((0, "b"), centering=((0, 8.0, -6.0),), look=Look(centering=True, fill=False, colour=False))
     full = grey(next(iter(programme_frames(edl, still, FrameRange(3, 4)))))
-    small = reduced(edl, (160, 90))
+    small = proxy_edl(edl, (160, 90))
     footage = Footage(small.cameras, rate=RATE, frames=FRAMES, base=still)
     made = grey(next(iter(Compositor(small, footage).frames(FrameRange(3, 4)))))
     expected = cv2.resize(full, (160, 90), interpolation=cv2.INTER_AREA)

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcsl_core.filling.footprint import FootprintFiller
-from mcsl_core.filling.layers import strips
+from mcsl_core.filling.layers import mask_rects
 from mcsl_core.filling.paper import PaperFiller
 from mcsl_core.filling.viewpoint import viewpoint_difference
 from mcsl_core.imaging.planes import Planes
@@ -138,7 +138,7 @@ def test_strips_cover_what_is_not_the_front_alone_and_are_even_and_apart(seed):
     masks[0][:40, :60] = False
     masks[1][:40, :60] = True
     covered = np.zeros((270, 480), int)
-    for rect, members in strips(masks):
+    for rect, members in mask_rects(masks):
         assert not any(v % 2 for v in (rect.x, rect.y, rect.width, rect.height))
         assert rect.x + rect.width <= 480
         part = (slice(rect.y // 2, (rect.y + rect.height) // 2), slice(rect.x // 2, (rect.x + rect.width) // 2))
@@ -147,7 +147,7 @@ def test_strips_cover_what_is_not_the_front_alone_and_are_even_and_apart(seed):
     assert covered.max() <= 1
     assert (covered[::2, ::2][masks[1] | masks[2] | ~masks[0]] == 1).all()
     assert covered.mean() < 0.9
-    assert strips([np.ones((10, 10), bool)]) == []
+    assert mask_rects([np.ones((10, 10), bool)]) == []
 
 
 # ------------------------------------------------------------------------------------------------------ the paper's
