@@ -54,8 +54,12 @@ class FrameContext:
     steady: bool
     previous: Planes | None = None
 
-    @cached_property
+    @property
     def front(self) -> Planes:
+        return self._front
+
+    @cached_property
+    def _front(self) -> Planes:
         planes = self.picture(self.camera, Rect(0, 0, *self.size))
         return black(self.size) if planes is None else planes
 

@@ -91,7 +91,7 @@ def homography_from_points(source: ArrayLike, target: ArrayLike) -> Matrix:
     found, _ = cv2.findHomography(a, b, 0)
     if found is None or abs(np.linalg.det(found)) < 1e-12 or abs(found[2, 2]) < 1e-12:
         raise ValueError("the points lie on a line")
-    return to_edl_matrix(found)
+    return to_edl_matrix(np.asarray(found, np.float64))
 
 
 def _points(source: ArrayLike, target: ArrayLike, least: int) -> tuple[NDArray, NDArray]:

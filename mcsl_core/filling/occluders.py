@@ -81,8 +81,8 @@ def find_occluders(context: FillContext, plan: FillPlan) -> Occluders:
     if not (other * (1 - plan.overlap)).any():
         return {}
     own = _motion(context, context.camera)
-    alone = _blurred(plan.overlap * (other * (1 - own)))
-    near = _blurred(plan.overlap * other)
+    alone = _blurred(np.asarray(plan.overlap * (other * (1 - own)), np.float32))
+    near = _blurred(np.asarray(plan.overlap * other, np.float32))
     only = np.clip((alone / (near + _LEAST) - _ALONE[0]) / (_ALONE[1] - _ALONE[0]), 0, 1)
     cells = cv2.GaussianBlur(cv2.dilate(other * only, np.ones((5, 5), np.uint8)), (0, 0), 1.0)
     return {camera: Occluder(np.asarray(cells, np.float32))} if cells.max() > 0.02 else {}

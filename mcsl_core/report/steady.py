@@ -11,7 +11,7 @@ from mcsl_core.evaluation.results import FIGURES, Evaluation, Measured, Steadine
 
 @frozen
 class SteadyRow:
-    """A variant's figures as written; "-" where there is none."""
+    """A variant's results as written; "-" where there is none."""
 
     label: str
     cells: tuple[str, ...]
@@ -19,7 +19,17 @@ class SteadyRow:
 
 @frozen
 class SteadyFacts:
-    """The figures for the page: at the switches, and over the whole programme where that was measured."""
+    """The results for the page.
+
+    Attributes
+    ----------
+    switches, whole : tuple of SteadyRow
+        At the switches, and over the whole programme where that was measured.
+    told : str
+        What the alignment changed, in a sentence; empty where that is not known.
+    conditions : tuple of str
+        How it was measured.
+    """
 
     switches: tuple[SteadyRow, ...]
     whole: tuple[SteadyRow, ...]

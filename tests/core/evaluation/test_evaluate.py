@@ -191,7 +191,7 @@ def test_every_variant_is_made_by_the_same_compositor(still: Path, monkeypatch) 
                 made.append((self.edl.poses[0].homographies["b"], self.edl.poses[0].homographies["c"]))
                 yield planes
 
-    monkeypatch.setattr("mcsl_core.evaluation.evaluate.Compositor", Watched)
+    monkeypatch.setattr("mcsl_core.evaluation.observer.Compositor", Watched)
     edl = programme(*THREE)
     variants = standard_variants(edl, manual={0: {"b": moved(14, -6, 20), "c": moved(-20, 6, -35)}})
     evaluate(edl, still, variants)
