@@ -78,7 +78,7 @@ def _measured(edl: Edl, base: Path, progress: Progress) -> tuple[Measurements | 
     if edl.scores is None:
         return None, "The EDL names no scores, so what each camera sees over time is not known."
     if not (base / edl.scores).is_file():
-        return None, _told(f"What each camera sees over time is not known: {edl.scores} is missing.", progress)
+        return None, _noted(f"What each camera sees over time is not known: {edl.scores} is missing.", progress)
     try:
         measured = load_measurements(base / edl.scores)
         lacking = {c.name for c in edl.cameras} - set(measured.scores.cameras)
@@ -87,7 +87,7 @@ def _measured(edl: Edl, base: Path, progress: Progress) -> tuple[Measurements | 
         why = f"{edl.scores}: it lacks {', '.join(sorted(lacking))}"
     except McslError as error:
         why = _short(error, base)
-    return None, _told(f"What each camera sees over time is not known: {why}.", progress)
+    return None, _noted(f"What each camera sees over time is not known: {why}.", progress)
 
 
 def _pictures(
@@ -98,7 +98,7 @@ def _pictures(
     except Cancelled:
         raise
     except McslError as error:
-        return [None] * len(edl.poses), _told(f"The pictures cannot be shown: {_short(error, base)}.", progress)
+        return [None] * len(edl.poses), _noted(f"The pictures cannot be shown: {_short(error, base)}.", progress)
 
 
 def _evaluated(edl: Edl, base: Path, progress: Progress) -> tuple[Evaluation | None, str]:
@@ -107,7 +107,7 @@ def _evaluated(edl: Edl, base: Path, progress: Progress) -> tuple[Evaluation | N
     except Cancelled:
         raise
     except McslError as error:
-        return None, _told(f"The steadiness cannot be measured: {_short(error, base)}.", progress)
+        return None, _noted(f"The steadiness cannot be measured: {_short(error, base)}.", progress)
 
 
 def _short(error: McslError, base: Path) -> str:
@@ -116,7 +116,7 @@ def _short(error: McslError, base: Path) -> str:
     return text.replace(f"{base}/", "").rstrip(".")
 
 
-def _told(text: str, progress: Progress) -> str:
+def _noted(text: str, progress: Progress) -> str:
     progress.note(text)
     return text
 
