@@ -2,7 +2,7 @@
 
     python -m benchmarks.matchers FOLDER [NAME ...]       makes what is missing, matches, writes results/matchers.md
 
-Two cameras of a lamp look at the field in the same, clear moment. The second one's picture is turned about its middle
+Two cameras of a lamp film the field at the same time, a clear one. The second one's picture is turned about its middle
 until it stands at the wanted angle to the first; what the turn leaves empty is masked. Judged are the matches within
 the field's outline, by the true places of the field's points, on their relief. Named matchers, else all installed.
 """
@@ -35,7 +35,7 @@ RESULTS = Path(__file__).parent / "results"
 TURNS = (0, 30, 60, 90, 120, 150, 180)
 CLOSE_PX = 3.0
 
-# Seeds that nothing was tuned on. One moment is looked at: six seconds without heads, hands at work.
+# Seeds that nothing was tuned on. One frame is used: of six seconds without heads, hands at work.
 SCENES: Mapping[str, Mapping[str, Any]] = {
     "411": {"drape": "green", "skin": "light", "gloves": "white"},
     "412": {"drape": "blue", "skin": "dark", "gloves": "blue"},
@@ -45,7 +45,7 @@ PAIRS = ((0, 1), (0, 2))  # neighbours on the pentagon, and cameras across it
 
 @frozen(eq=False)
 class Turned:
-    """Two pictures of a moment, the second one turned and masked, and where the field's points lie in both, (N, 2)."""
+    """Two pictures of one time, the second one turned and masked, and where the field's points lie in both, (N, 2)."""
 
     a: NDArray[np.uint8]
     b: NDArray[np.uint8]
@@ -66,14 +66,14 @@ class Judged:
     pair_s: float
 
 
-def clear_moment(truth: Truth) -> int:
+def clear_frame(truth: Truth) -> int:
     """The programme frame in which the cameras compared see most of the field, all of them."""
     used = sorted({camera for pair in PAIRS for camera in pair})
     return int(truth.visible_field[:, used].min(axis=1).argmax())
 
 
 def recording(folder: Path, name: str) -> tuple[Truth, list[NDArray[np.uint8]]]:
-    """The truth and one clear moment's pictures."""
+    """The truth and the pictures of one clear frame."""
     target = folder / name
     if not (target / "truth.json").exists():
         options = {"duration_s": 6, "size": (640, 360), "rate": 8, "movements": 0, "heads": 0, "audio": False}
@@ -82,7 +82,7 @@ def recording(folder: Path, name: str) -> tuple[Truth, list[NDArray[np.uint8]]]:
     truth = load_truth(target)
     cameras = open_cameras([target], folder, Silent())
     footage = Footage(cameras, rate=truth.rate, frames=truth.frames, base=folder)
-    frame = clear_moment(truth)
+    frame = clear_frame(truth)
     pictures = []
     for camera in range(len(cameras)):
         own = truth.own_frame(camera, frame)

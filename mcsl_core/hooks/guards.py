@@ -55,19 +55,14 @@ def read_only(value: T) -> T:
 
 
 class Watch:
-    """How long plugins take: one that has taken longer than the recording lasts is named in a note, and again each time
-    that has doubled.
+    """Notes a plugin that has taken longer than the recording lasts, and again each time that has doubled.
 
     Parameters
     ----------
     lasts_s : float
         The recording's length in seconds.
     note : callable
-        Takes the note.
-
-    Notes
-    -----
-    That is no judgement, but what a person who waits wants to know; and it needs no number for the machine's speed.
+        Takes the note: no judgement, but what a person who waits wants to know.
     """
 
     def __init__(self, lasts_s: float, note: Callable[[str], None]) -> None:
