@@ -96,7 +96,29 @@ def document(node: ast.ClassDef | ast.FunctionDef) -> str:
     text = ast.get_docstring(node)
     if not text:
         raise ValueError(f"{node.name} has no docstring, and docs/hooks.md is made of them")
-    return text
+    return as_markdown(text)
+
+
+SECTION = re.compile(r"^(\w[\w ]*)\n-{3,}$", re.MULTILINE)
+LISTS = ("Parameters", "Attributes", "Returns", "Yields", "Raises")
+
+
+def as_markdown(text: str) -> str:
+    """A docstring with numpydoc's sections: their titles bold, their entries as lists."""
+    summary, *rest = SECTION.split(text)
+    parts = [summary.strip()]
+    for title, body in zip(rest[::2], rest[1::2], strict=True):
+        body = body.strip("\n")
+        if title in LISTS:
+            entries = re.split(r"\n(?=\S)", body)
+            body = "\n".join(entry_as_markdown(*entry.split("\n")) for entry in entries)
+        parts.append(f"**{title}**\n\n{body.strip()}")
+    return "\n\n".join(parts)
+
+
+def entry_as_markdown(head: str, *told: str) -> str:
+    text = " ".join(line.strip() for line in told).strip()
+    return f"- `{head}`: {text}" if text else f"- `{head}`"
 
 
 class Reference:

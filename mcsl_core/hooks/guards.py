@@ -257,19 +257,19 @@ class AlignerGuard(Guard):
 
 
 @frozen(eq=False)
-class _FrozenSamples(Sequence[Sequence[AlignedView]]):
+class _Samples(Sequence[Sequence[AlignedView]]):
     """Samples whose views cannot be written to; each is read only when it is asked for, as a slice's are."""
 
     samples: Sequence[Sequence[AlignedView]]
-    indices: range
+    positions: range
 
     def __len__(self) -> int:
-        return len(self.indices)
+        return len(self.positions)
 
     def __getitem__(self, at):  # pyright: ignore[reportIncompatibleMethodOverride]
-        found = self.indices[at]
+        found = self.positions[at]
         if isinstance(found, range):
-            return _FrozenSamples(self.samples, found)
+            return _Samples(self.samples, found)
         return read_only(tuple(self.samples[found]))
 
 
@@ -301,8 +301,8 @@ class ScorerGuard:
 class OcclusionGuard(Guard):
     """Of a `OcclusionDetector`: something that has a `score`."""
 
-    def scorer(self, scene: AlignedPose, moments: Sequence[Sequence[AlignedView]]) -> ScorerGuard:
-        scorer = self.call("scorer", read_only(scene), _FrozenSamples(moments, range(len(moments))))
+    def scorer(self, aligned: AlignedPose, samples: Sequence[Sequence[AlignedView]]) -> ScorerGuard:
+        scorer = self.call("scorer", read_only(aligned), _Samples(samples, range(len(samples))))
         self.need(callable(getattr(scorer, "score", None)), f"scorer gave {_described(scorer)}, which has no score")
         return ScorerGuard(self, scorer)
 

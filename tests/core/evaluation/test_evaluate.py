@@ -22,9 +22,9 @@ from mcsl_core.delivery.direct import programme_frames
 from mcsl_core.edl import IDENTITY, Camera, Colour, Edl, Look, Media, Override, Pose, Shot
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.errors import InputError, UsageError
-from mcsl_core.evaluation import results as figures
 from mcsl_core.evaluation.evaluate import Variant, evaluate, interframe_fidelity, standard_variants, without_alignment
 from mcsl_core.evaluation.metrics import CEILING_DB, Tracker, Tracks, fidelity_db, grey, speed_px
+from mcsl_core.evaluation.results import load_evaluation, to_csv, to_json
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.paper import PaperFiller
 from mcsl_core.imaging.planes import bgr_to_planes
@@ -237,7 +237,7 @@ def test_what_centering_moves_is_motion_too(still: Path) -> None:
     assert centered.itf_valid_db < auto.itf_valid_db - 10
 
 
-def test_figures_about_the_field_leave_the_rest_out(still: Path) -> None:
+def test_results_about_the_field_leave_the_rest_out(still: Path) -> None:
     """A turn about the field's middle moves what is there less than the rest, and spoils its picture less."""
     middle = np.array([(SIZE[0] - 1) / 2 + 40, (SIZE[1] - 1) / 2])
     turn = np.vstack([cv2.getRotationMatrix2D(tuple(middle), 4, 1), [0, 0, 1]])
@@ -378,17 +378,17 @@ def test_coverage_tells_which_camera_every_pixel_is_from(still: Path, filler) ->
 # --------------------------------------------------------------------------------------------------- written down
 
 
-def test_figures_come_back_as_they_were_written(still: Path, tmp_path: Path) -> None:
+def test_results_come_back_as_they_were_written(still: Path, tmp_path: Path) -> None:
     edl = programme(*THREE)
     done = evaluate(edl, still, standard_variants(edl, manual={0: TO_REFERENCE}), every=4, width=160)
-    text = figures.to_json(done)
+    text = to_json(done)
     (tmp_path / "f.json").write_text(text, "utf-8")
-    again = figures.load_evaluation(tmp_path / "f.json")
-    assert figures.to_json(again) == text
+    again = load_evaluation(tmp_path / "f.json")
+    assert to_json(again) == text
     assert again.row("auto").switches.itf_db == pytest.approx(done.row("auto").switches.itf_db, abs=1e-3)
-    rows = list(csv.DictReader(io.StringIO(figures.to_csv(done))))
+    rows = list(csv.DictReader(io.StringIO(to_csv(done))))
     assert [(r["variant"], r["scope"]) for r in rows][:2] == [("no", "whole"), ("no", "switches")]
     assert float(rows[1]["itf_db"]) == pytest.approx(done.row("no").switches.itf_db, abs=1e-3)
     (tmp_path / "f.json").write_text("{}", "utf-8")
     with pytest.raises(InputError, match="not the figures of an evaluation"):
-        figures.load_evaluation(tmp_path / "f.json")
+        load_evaluation(tmp_path / "f.json")

@@ -17,11 +17,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import edls
 
-from mcsl_core import edl as document
 from mcsl_core.analysis.measurements import Measurements
 from mcsl_core.analysis.pipeline import analyse
 from mcsl_core.analysis.settings import AnalysisSettings
-from mcsl_core.edl import Camera, Edl, Override, Weak
+from mcsl_core.edl import IDENTITY, Camera, Edl, Media, Override, Pose, Shot, Weak, load, save
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.errors import InputError
 from mcsl_core.evaluation.evaluate import evaluate
@@ -126,15 +125,15 @@ def test_any_edl_makes_a_whole_page(edl: Edl, scored: bool) -> None:
 def edl_of_two() -> Edl:
     from fractions import Fraction
 
-    pose = document.Pose(FrameRange(0, 100), {"a": document.IDENTITY, "b": document.IDENTITY})
+    pose = Pose(FrameRange(0, 100), {"a": IDENTITY, "b": IDENTITY})
     return Edl(
         rate=Fraction(25),
         size=(320, 180),
         frames=100,
         reference="a",
-        cameras=tuple(Camera(n, (document.Media(f"rec/{n}.mp4", 100),), (320, 180), Fraction(25)) for n in "ab"),
+        cameras=tuple(Camera(n, (Media(f"rec/{n}.mp4", 100),), (320, 180), Fraction(25)) for n in "ab"),
         poses=(pose,),
-        shots=(document.Shot(FrameRange(0, 50), "a"), document.Shot(FrameRange(50, 100), "b")),
+        shots=(Shot(FrameRange(0, 50), "a"), Shot(FrameRange(50, 100), "b")),
     )
 
 
@@ -203,15 +202,13 @@ def edl_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     simulate(Scenario(seed=307, duration_s=6, movements=0, size=(320, 180), cameras=3), folder / "recording", Silent())
     path = folder / "edl.json"
     made = analyse([folder / "recording"], path, settings=AnalysisSettings(), plugins=discover(), progress=Silent())
-    shots = tuple(
-        document.Shot(FrameRange(a, b), made.cameras[n].name) for a, b, n in ((0, 60, 0), (60, made.frames, 1))
-    )
+    shots = tuple(Shot(FrameRange(a, b), made.cameras[n].name) for a, b, n in ((0, 60, 0), (60, made.frames, 1)))
     cameras = (*made.cameras[:2], attrs.evolve(made.cameras[2], gaps=(FrameRange(20, 40),)))
     reason = "its matches with all the others contradict each other: they may show heads, not the field"
     poses = tuple(attrs.evolve(p, weak=(Weak("cam3", reason),)) for p in made.poses)
     override = Override(FrameRange(100, 140), camera="cam1", note="a_remark_without_a_single_space_" * 5)
     edl = attrs.evolve(made, shots=shots, cameras=cameras, poses=poses, overrides=(override,))
-    document.save(edl, path)
+    save(edl, path)
     return path
 
 
@@ -234,7 +231,7 @@ def test_the_same_edl_gives_the_same_bytes_and_tells_nothing_of_the_machine(repo
 
 
 def test_figures_that_were_measured_are_taken(edl_path: Path, tmp_path: Path) -> None:
-    edl = document.load(edl_path)
+    edl = load(edl_path)
     figures = tmp_path / "figures.json"
     done = evaluate(edl, edl_path.parent, every=60)
     figures.write_text(to_json(done), "utf-8")
