@@ -67,6 +67,7 @@ def measure(folder: Path, name: str) -> dict[str, Any]:
 
 
 def scene_of(truth: Truth) -> str:
+    """What the recording shows, in words."""
     s = truth.scenario
     return (
         f"{s.duration_s:g} s, {s.size[0]}x{s.size[1]}, {len(truth.movements)} movements, {s.drape} drape, "
@@ -75,6 +76,7 @@ def scene_of(truth: Truth) -> str:
 
 
 def judged(made: edl.Edl, truth: Truth) -> dict[str, Any]:
+    """One analysis against the truth, stage by stage."""
     rate = float(truth.rate)
     pairs, missed, false = matched([(m.range.start, m.range.stop) for m in made.movements], truth.movements, rate)
     starts = [abs(a[0] - b[0]) / rate for a, b in pairs]
@@ -225,6 +227,7 @@ def steadiness(made: edl.Edl, base: Path, truth: Truth) -> dict[str, Any]:
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+    """A table in Markdown."""
     lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
     return "\n".join(lines + ["| " + " | ".join(str(c) for c in row) + " |" for row in rows])
 

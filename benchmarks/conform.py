@@ -128,6 +128,7 @@ def child(kind: str, clip: Path, seconds: float) -> None:
 
 
 def run(kind: str, clip: Path, seconds: float) -> dict[str, float]:
+    """`child` in a process of its own; what it cost."""
     call = [sys.executable, "-m", "benchmarks.conform", "--child", kind, str(clip), str(seconds)]
     figures = json.loads(subprocess.run(call, check=True, capture_output=True, text=True).stdout)
     print(f"{kind} of {seconds:g} s:", {k: round(v, 1) for k, v in figures.items()}, flush=True)
@@ -135,6 +136,7 @@ def run(kind: str, clip: Path, seconds: float) -> dict[str, float]:
 
 
 def markdown(rounds: list[dict[str, dict[str, float]]], memory: dict[float, float], load: float) -> str:
+    """The page: a row a run, then the memory."""
     rows = []
     for kind in rounds[0]:
         of_kind = [r[kind] for r in rounds]

@@ -84,7 +84,21 @@ ALL = TRAINED_ON | TUNED_ON | JUDGED
 
 @frozen(eq=False)
 class Prepared:
-    """A recording as detectors get it. at: (samples, cameras), the programme frame each picture really belongs to."""
+    """A recording as detectors get it.
+
+    Attributes
+    ----------
+    truth : Truth
+        What the simulator knows.
+    samples : SampleStore
+        About one a second.
+    solved : sequence of SolvedPose
+        By mcsl's own alignment.
+    movements : tuple of Movement
+        The true ones.
+    at : (samples, cameras) int64
+        The programme frame that each picture really belongs to.
+    """
 
     truth: Truth
     samples: SampleStore
@@ -93,6 +107,7 @@ class Prepared:
     at: NDArray[np.int64]
 
     def segments(self, detector: Offer) -> tuple[ScoringSegment, ...]:
+        """The segments that a detector scores."""
         return scoring_segments(self.samples, self.solved, self.movements, detector.checked)
 
     def seen(self) -> NDArray[np.float64]:
@@ -239,11 +254,14 @@ def measure(folder: Path, name: str) -> dict[str, Any]:
 
 
 def scene_of(name: str) -> str:
+    """What the recording shows, in words."""
     s = ALL[name]
     return f"{s.drape} drape, {s.skin} skin, {s.gloves} gloves, {s.heads} heads"
 
 
 def markdown(all_figures: Sequence[Mapping[str, Any]], told: Mapping[str, Any]) -> str:
+    """The page: a table a measure, a column a detector."""
+
     def column(key: str, form: str, best: Any) -> str:
         rows = []
         groups = [[f for f in all_figures if (ALL[f["name"]].drape == "skin") == same] for same in (True, False)]

@@ -56,17 +56,32 @@ FILLERS: tuple[Filler, ...] = (PaperFiller(), FootprintFiller())
 
 @frozen
 class Row:
-    """One pose of one recording, centred in one way. Pairs are by each of `FILLERS`."""
+    """One pose of one recording, centred in one way.
+
+    Attributes
+    ----------
+    name, pose, centred
+        Which it is.
+    share, nobody : float
+        Of the picture: what the chosen camera does not show, but some camera in some pose; and what no camera ever
+        shows, which both fillers leave black.
+    empty_db, people_db : tuple of float
+        By each of `FILLERS`: PSNR of the filled pixels, the room empty and as recorded.
+    black : tuple of float
+        By each of `FILLERS`: share of those left black, the room empty.
+    cpu_ms : tuple of float
+        By each of `FILLERS`: a frame, beyond the same without fill.
+    """
 
     name: str
     pose: int
     centred: str
-    share: float  # of the picture: what the chosen camera does not see, but some camera in some pose
-    nobody: float  # of the picture: what no camera ever sees, and both fillers leave black
-    empty_db: tuple[float, ...]  # PSNR of those, the room empty
-    black: tuple[float, ...]  # share of those left black, the room empty
-    people_db: tuple[float, ...]  # PSNR of those as recorded
-    cpu_ms: tuple[float, ...]  # a frame, beyond the same without fill
+    share: float
+    nobody: float
+    empty_db: tuple[float, ...]
+    black: tuple[float, ...]
+    people_db: tuple[float, ...]
+    cpu_ms: tuple[float, ...]
 
 
 class EmptyRoom:
@@ -206,6 +221,7 @@ def cost(programme: edl.Edl, footage: Footage, filler: Filler, frame: int, look:
 
 
 def table(rows: list[Row]) -> str:
+    """The page: a row a pose and centering."""
     lines = [
         "# Filling against simulated truth",
         "",

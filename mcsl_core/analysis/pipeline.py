@@ -21,9 +21,9 @@ from mcsl_core.centering.protocol import FieldPlace
 from mcsl_core.edl.edits import carry_over
 from mcsl_core.edl.placement import placement_matrix
 from mcsl_core.errors import UsageError
-from mcsl_core.hooks.guards import Watch
 from mcsl_core.hooks.registry import Offer, Plugins
 from mcsl_core.hooks.stages import STAGES
+from mcsl_core.hooks.watch import Watch
 from mcsl_core.imaging.geometry import scaling
 from mcsl_core.movement.protocol import Detection
 from mcsl_core.occlusion.score_table import ScoreTable

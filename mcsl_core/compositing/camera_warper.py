@@ -171,7 +171,22 @@ class CameraWarper:
     def change(
         self, pose_index: int, camera: str, offset: Offset, frame: int, median_of: tuple[int, ...]
     ) -> NDArray[np.float32]:
-        """By how many codes the picture at ``frame`` differs from a median, by cell; see `FillContext.change`."""
+        """How much a camera's picture differs from a median; see `FillContext.change`.
+
+        Parameters
+        ----------
+        pose_index, camera, offset
+            As of `warped`.
+        frame : int
+            The programme frame of the picture.
+        median_of : tuple of int
+            Programme frames of one pose.
+
+        Returns
+        -------
+        (ceil(height / 16), ceil(width / 16)) float32
+            In 8-bit codes, by cell of the programme.
+        """
         size = (-(-self.edl.size[0] // CELL), -(-self.edl.size[1] // CELL))
         now, before = self.own_picture(camera, frame), self._median_cells(camera, median_of)
         if now is None or before is None or not self.is_placed(pose_index, camera):
@@ -181,7 +196,20 @@ class CameraWarper:
         return np.asarray(cv2.warpPerspective(difference.astype(np.float32), matrix, size), np.float32)
 
     def footprint(self, pose_index: int, camera: str, offset: Offset, *, parallax_corrected: bool, edge: bool) -> U8:
-        """(height / 2, width / 2) uint8: 255 inside the picture that `warped` or `parallax_corrected` makes."""
+        """Which programme pixels lie inside the picture that `warped` or `parallax_corrected` makes.
+
+        Parameters
+        ----------
+        pose_index, camera, offset, edge
+            As of `parallax_corrected`.
+        parallax_corrected : bool
+            Of its picture; else of `warped`'s.
+
+        Returns
+        -------
+        (height / 2, width / 2) uint8
+            255 inside, less at the very edge.
+        """
         width, height = self.edl.size
         if not self.is_placed(pose_index, camera):
             return np.zeros((height // 2, width // 2), np.uint8)

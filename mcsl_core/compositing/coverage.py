@@ -27,7 +27,22 @@ _LIT, _DIM = 235, 126  # both bright: to the `reference` filler a dark pixel is 
 
 
 def has_picture(footage: Footage, camera: str, frame: int) -> bool:
-    """Whether the camera has a picture at a programme frame, as far as can be told without decoding."""
+    """Whether a camera has a picture at a programme frame, as far as can be told without decoding.
+
+    Parameters
+    ----------
+    footage : Footage
+        The cameras' media.
+    camera : str
+        The camera's name.
+    frame : int
+        The programme frame.
+
+    Returns
+    -------
+    bool
+        False in a gap, before the media begin and after they end.
+    """
     if footage.has_gap(camera, frame):
         return False
     time = footage.camera_time(camera, frame)
@@ -62,7 +77,12 @@ class Coverage:
         self._compositor = Compositor(uncoloured, self._pictures, filler=filler, look=look, parallax=parallax)
 
     def covered(self, frame: int) -> U8:
-        """The covered pixels of programme frame ``frame``.
+        """The covered pixels of a programme frame.
+
+        Parameters
+        ----------
+        frame : int
+            The programme frame.
 
         Returns
         -------
@@ -73,7 +93,12 @@ class Coverage:
         return np.where(self._luma(frame) >= (16 + _DIM) // 2, 255, 0).astype(np.uint8)
 
     def shares(self, frame: int) -> Mapping[str, NDArray[np.float32]]:
-        """How much of each pixel of programme frame ``frame`` comes from each camera.
+        """How much of each pixel of a programme frame comes from each camera.
+
+        Parameters
+        ----------
+        frame : int
+            The programme frame.
 
         Returns
         -------

@@ -94,7 +94,24 @@ def _rows(matrix: ArrayLike) -> Matrix:
 
 
 def proxy_filler(edl: Edl, size: tuple[int, int]) -> Filler:
-    """The EDL's filler for pictures of ``size``: a new one, since a filler may keep what it worked out."""
+    """The filler that an EDL was made with, for its proxy; a new one, since a filler may keep what it worked out.
+
+    Parameters
+    ----------
+    edl : Edl
+        The programme at its full size.
+    size : (int, int)
+        Width and height of the proxy.
+
+    Returns
+    -------
+    Filler
+
+    Raises
+    ------
+    PluginError
+        Names the package to install where the filler is not here.
+    """
     offer = filler_offer(edl)
     if isinstance(offer.implementation, FootprintFiller):
         return FootprintFiller(offer.implementation.feather_px * size[0] / edl.size[0])

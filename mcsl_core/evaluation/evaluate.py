@@ -35,7 +35,7 @@ WIDTH = 640  # of the pictures measured: the paper names none
 
 
 def without_alignment(edl: Edl) -> Edl:
-    """The same shots with every picture as its camera took it (the paper's No-alignment): no warp, no look."""
+    """The same shots with every picture as its camera took it: no warp, no look; the paper's No-alignment."""
     names = [c.name for c in edl.cameras]
     poses = tuple(
         attrs.evolve(p, homographies=dict.fromkeys(names, IDENTITY), anchor=IDENTITY, weak=()) for p in edl.poses

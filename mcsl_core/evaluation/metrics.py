@@ -20,7 +20,7 @@ Points = NDArray[np.float64]
 
 CEILING_DB = 60.0  # equal pictures: their PSNR is infinite, and one still pair must not decide a mean
 
-# What the figures were measured with, in words for a table's foot.
+# How it was measured, in words for a table's foot.
 FOLLOWED = "Shi-Tomasi corners followed by pyramidal Lucas-Kanade, there and back within 0.5 px"
 MATCHED = "RootSIFT, mutual nearest neighbours (ratio 0.85), within 5 % of the width of the plane that a third share"
 
@@ -107,7 +107,18 @@ class Tracker:
     matcher: RootSift = field(factory=RootSift)
 
     def follow(self, a: U8, b: U8) -> Tracks:
-        """Corners of ``a`` followed into ``b``: for one camera's neighbouring pictures."""
+        """Corners of one picture followed into another: for one camera's neighbouring pictures.
+
+        Parameters
+        ----------
+        a, b : (H, W) uint8
+            Grey, full range.
+
+        Returns
+        -------
+        Tracks
+            Those that lead there and back within half a pixel; none where there are fewer than eight.
+        """
         corners = cv2.goodFeaturesToTrack(a, self.corners, 0.01, self.spacing_px)
         if corners is None or len(corners) < _LEAST_POINTS:
             return NO_TRACKS
@@ -120,7 +131,18 @@ class Tracker:
         return _enough(Tracks(start[keep].astype(np.float64), end[keep].astype(np.float64)))
 
     def match(self, a: U8, b: U8) -> Tracks:
-        """Points of ``a`` found again in ``b``, however far and turned: for two cameras' pictures of about one time."""
+        """Points of one picture found again in another, however far and turned: for two cameras at about one time.
+
+        Parameters
+        ----------
+        a, b : (H, W) uint8
+            Grey, full range.
+
+        Returns
+        -------
+        Tracks
+            Those near the plane that most share; none where fewer than a third share one.
+        """
         of_a, of_b = self.matcher.features(a), self.matcher.features(b)
         pairs = self.matcher.match(of_a, of_b)
         before = of_a.points[pairs[:, 0]].astype(np.float64)
@@ -145,7 +167,20 @@ def _enough(tracks: Tracks) -> Tracks:
 
 
 def carried(matrix: NDArray, points: Points) -> Points:
-    """(N, 2) points through a 3x3 homography; NaN at or behind its horizon."""
+    """Points through a homography.
+
+    Parameters
+    ----------
+    matrix : (3, 3) float64
+        The homography.
+    points : (N, 2) float64
+        (x, y).
+
+    Returns
+    -------
+    (N, 2) float64
+        NaN at or behind its horizon.
+    """
     x, y, w = matrix @ np.column_stack([points, np.ones(len(points))]).T
     w = np.where(w * matrix[2, 2] > 1e-9, w, np.nan)
     return np.column_stack([x / w, y / w])

@@ -37,7 +37,7 @@ COLUMNS = ("participant", "video", "factor", "method", "rating")
 SCHEMA = "mcsl.study/1"
 LEVEL = 0.05
 LEAST = 6  # with five, even five out of five for one method gives p = 2 / 2**5 = 0.0625
-EXACT = 15  # 2**15 patterns of signs are still counted in a moment
+EXACT = 15  # 2**15 patterns of signs are still counted quickly
 _MOST_NAMED = 3
 
 
@@ -253,7 +253,19 @@ def friedman(ratings: Sequence[NDArray[np.float64]]) -> Friedman:
 
 
 class SignedRanks(NamedTuple):
-    """Wilcoxon's test of differences: how many are not zero, W+, W-, the two-sided p and whether it is exact."""
+    """Wilcoxon's signed-rank test of differences.
+
+    Attributes
+    ----------
+    n : int
+        How many are not zero.
+    plus, minus : float
+        W+ and W-, the sums of ranks of the positive and of the negative ones.
+    p : float
+        Two-sided.
+    exact : bool
+        Whether p is exact; else the normal approximation.
+    """
 
     n: int
     plus: float

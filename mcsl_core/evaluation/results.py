@@ -15,7 +15,7 @@ from mcsl_core.errors import DocumentError
 from .metrics import FOLLOWED, MATCHED
 
 SCHEMA = "mcsl.evaluation/1"
-FIGURES = ("itf_db", "itf_valid_db", "itf_field_db", "av_speed_px", "av_speed_field_px")
+MEASURES = ("itf_db", "itf_valid_db", "itf_field_db", "av_speed_px", "av_speed_field_px")
 FIELD = 0.2  # radius of "about the field" as a share of the programme's width: wounds of a hand's size fit in
 
 
@@ -93,7 +93,15 @@ class Measured:
 
 @frozen
 class Switch:
-    """Where one camera follows another: ``frame`` is the first of ``camera``; the one before it is of ``before``."""
+    """Where one camera follows another.
+
+    Attributes
+    ----------
+    frame : int
+        The first programme frame of ``camera``.
+    before, camera : str
+        The camera before, and the one from ``frame`` on.
+    """
 
     frame: int
     before: str
@@ -129,7 +137,17 @@ class Conditions:
 
 @frozen
 class Evaluation:
-    """The results of all variants, and how they were measured."""
+    """The results of all variants.
+
+    Attributes
+    ----------
+    conditions : Conditions
+        How they were measured.
+    switches : tuple of Switch
+        Those that were measured.
+    measured : tuple of Measured
+        By variant.
+    """
 
     conditions: Conditions
     switches: tuple[Switch, ...]
@@ -161,7 +179,7 @@ class Evaluation:
         for prefix, a, b in (("", better.whole, worse.whole), ("switches_", better.switches, worse.switches)):
             if a is None or b is None:
                 continue
-            for name in FIGURES:
+            for name in MEASURES:
                 x, y = getattr(a, name), getattr(b, name)
                 if x is not None and y:
                     sign = -1 if name.startswith("av_speed") else 1
@@ -189,18 +207,33 @@ def _rounded(value: Any) -> Any:
 
 
 def load_evaluation(path: Path) -> Evaluation:
-    """Reads what `to_json` wrote; DocumentError where it is something else."""
+    """Read what `to_json` wrote.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Returns
+    -------
+    Evaluation
+
+    Raises
+    ------
+    DocumentError
+        Where it is something else.
+    """
     value = read_json(path)
     if not isinstance(value, dict) or value.get("schema") != SCHEMA:
         raise DocumentError(
-            f"is not the figures of an evaluation ({SCHEMA})", where=str(path),
+            f"is not the results of an evaluation ({SCHEMA})", where=str(path),
             remedy="Make them with `mcsl evaluate EDL --json FILE`",
         )  # fmt: skip
     kept = {k: v for k, v in value.items() if k not in ("schema", "gains_of_auto_over_manual_percent")}
-    return structure_document(kept, Evaluation, _converter, where=str(path), name="the figures (evaluation.md)")
+    return structure_document(kept, Evaluation, _converter, where=str(path), name="the results (evaluation.md)")
 
 
-COLUMNS = (*FIGURES, "pairs", "tracked")
+COLUMNS = (*MEASURES, "pairs", "tracked")
 
 
 def to_csv(evaluation: Evaluation) -> str:

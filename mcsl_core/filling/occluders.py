@@ -41,7 +41,20 @@ class Occluder:
         return Rect(left, top, right - left, bottom - top) if width and left < right and top < bottom else None
 
     def weights(self, rect: Rect, step: int) -> Weight:
-        """``cells`` at every ``step``-th pixel of ``rect``: 1 for luma samples, 2 for chroma samples."""
+        """How much of a rectangle's samples is hidden.
+
+        Parameters
+        ----------
+        rect : Rect
+            In programme pixels.
+        step : int
+            At every so many pixels: 1 for luma samples, 2 for chroma samples.
+
+        Returns
+        -------
+        (rect.height / step, rect.width / step) float32
+            0..1, interpolated from ``cells``.
+        """
         cell = CELL // step
         matrix = np.array([[cell, 0, cell / 2 - 0.5 - rect.x / step], [0, cell, cell / 2 - 0.5 - rect.y / step]])
         size = (rect.width // step, rect.height // step)

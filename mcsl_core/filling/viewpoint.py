@@ -3,7 +3,7 @@
 A plane seen from two sides is magnified unevenly: the homography's last row, which a rotation, shift or zoom of the
 picture leaves at zero, grows with the angle between the two lines of sight (cameras that all aim at the field differ
 in nothing else). On simulated lamps it goes with the distance of the cameras by a correlation of 0.87 (median over 50
-views, EDLs found by the analysis), and the two neighbours on the pentagon come before the two across in 36 of 50.
+cameras, EDLs found by the analysis), and the two neighbours on the pentagon come before the two across in 36 of 50.
 """
 
 from __future__ import annotations

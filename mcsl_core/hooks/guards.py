@@ -6,9 +6,8 @@ a plugin does wrong is a `PluginError` of one line that names stage, plugin, pac
 
 from __future__ import annotations
 
-import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from types import MappingProxyType
 from typing import Any, TypeVar
@@ -34,6 +33,7 @@ from mcsl_core.recording.sample_store import SampleStore
 from mcsl_core.timing import check_tiles
 
 from .stages import STAGES
+from .watch import Watch
 
 T = TypeVar("T")
 
@@ -41,9 +41,9 @@ T = TypeVar("T")
 def read_only(value: T) -> T:
     """The same value, none of whose arrays and mappings can be written to; no array is copied."""
     if isinstance(value, np.ndarray):
-        view = value.view()
-        view.flags.writeable = False
-        return view  # pyright: ignore[reportReturnType]
+        locked = value.view()
+        locked.flags.writeable = False
+        return locked  # pyright: ignore[reportReturnType]
     if isinstance(value, Mapping):
         return MappingProxyType({key: read_only(item) for key, item in value.items()})  # pyright: ignore
     if isinstance(value, tuple):
@@ -52,35 +52,6 @@ def read_only(value: T) -> T:
         changed = {f.alias: read_only(getattr(value, f.name)) for f in attrs.fields(type(value)) if f.init}
         return attrs.evolve(value, **changed)  # pyright: ignore[reportArgumentType]
     return value
-
-
-class Watch:
-    """Notes a plugin that has taken longer than the recording lasts, and again each time that has doubled.
-
-    Parameters
-    ----------
-    lasts_s : float
-        The recording's length in seconds.
-    note : callable
-        Takes the note: no judgement, but what a person who waits wants to know.
-    """
-
-    def __init__(self, lasts_s: float, note: Callable[[str], None]) -> None:
-        self.lasts_s, self._note = lasts_s, note
-        self._spent: dict[str, float] = {}
-        self._bounds_s: dict[str, float] = {}
-        self._lock = threading.Lock()
-
-    def spent(self, who: str, seconds: float) -> None:
-        """``who`` was busy for so long, just now. Safe from several threads."""
-        with self._lock:
-            total = self._spent.get(who, 0.0) + seconds
-            self._spent[who] = total
-            bound = self._bounds_s.get(who, self.lasts_s)
-            if total <= bound:
-                return
-            self._bounds_s[who] = 2 * total
-        self._note(f"{who} has taken {total:.0f} s so far, for a recording of {self.lasts_s:.0f} s")
 
 
 @frozen(eq=False)

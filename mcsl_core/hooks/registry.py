@@ -18,9 +18,10 @@ from mcsl_core.filling.protocol import Filler
 from mcsl_core.progress import Progress
 
 from . import builtin
-from .guards import GUARDS, Watch
+from .guards import GUARDS
 from .specs import PROJECT, Hooks
 from .stages import STAGES, Stage
+from .watch import Watch
 
 
 @frozen(eq=False)

@@ -94,7 +94,21 @@ class PoseFacts:
 
 @frozen
 class ClockFacts:
-    """How a camera's clock stands to the programme's, and its files."""
+    """How a camera's clock stands to the programme's, and its files; all in words, empty where there is nothing to say.
+
+    Attributes
+    ----------
+    camera : str
+        Its name.
+    colour : int
+        Its index among the page's colours.
+    media, size, rate : str
+        Its files, picture size and frame rate.
+    offset, drift, method, confidence : str
+        Of its clock.
+    gaps : str
+        When it has no picture.
+    """
 
     camera: str
     colour: int
@@ -110,7 +124,31 @@ class ClockFacts:
 
 @frozen
 class Facts:
-    """The whole page without its pictures and its steadiness."""
+    """The whole page without its pictures and its steadiness.
+
+    Attributes
+    ----------
+    tiles, verdict
+        See `Headline`.
+    cameras : tuple of (str, int)
+        Each with its index among the page's colours.
+    ticks : tuple of Tick
+        Along the time.
+    programme, overrides, movements, perspectives : tuple of Bar
+        The cameras shown, the editor's overrides, when the lamp moves, where a new perspective begins.
+    override_notes, moves, weak : tuple of str
+        The overrides, the movements and new perspectives, and the weak cameras in words.
+    gaps : bool
+        Whether some camera has gaps.
+    lanes : tuple of Lane
+        By camera.
+    movement : MovementChart or None
+        None where the curve is not known.
+    poses : tuple of PoseFacts
+        In order.
+    clocks : tuple of ClockFacts
+        By camera.
+    """
 
     tiles: tuple[Tile, ...]
     verdict: str

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from attrs import frozen
 
-from mcsl_core.evaluation.results import FIGURES, Evaluation, Measured, Steadiness
+from mcsl_core.evaluation.results import MEASURES, Evaluation, Measured, Steadiness
 
 
 @frozen
@@ -56,7 +56,7 @@ def steady_facts(evaluation: Evaluation) -> SteadyFacts:
 
 
 def _cells(means: Steadiness) -> tuple[str, ...]:
-    values = [getattr(means, name) for name in FIGURES]
+    values = [getattr(means, name) for name in MEASURES]
     return tuple("-" if value is None else f"{value:.1f}" for value in values)
 
 

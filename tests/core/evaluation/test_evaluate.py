@@ -390,5 +390,5 @@ def test_results_come_back_as_they_were_written(still: Path, tmp_path: Path) -> 
     assert [(r["variant"], r["scope"]) for r in rows][:2] == [("no", "whole"), ("no", "switches")]
     assert float(rows[1]["itf_db"]) == pytest.approx(done.row("no").switches.itf_db, abs=1e-3)
     (tmp_path / "f.json").write_text("{}", "utf-8")
-    with pytest.raises(InputError, match="not the figures of an evaluation"):
+    with pytest.raises(InputError, match="not the results of an evaluation"):
         load_evaluation(tmp_path / "f.json")

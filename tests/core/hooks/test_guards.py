@@ -19,9 +19,10 @@ from mcsl_core.alignment.protocol import Alignment, Features
 from mcsl_core.centering.protocol import FieldPlace
 from mcsl_core.edl import Movement, Shot, Weak
 from mcsl_core.errors import Cancelled, InputError, McslError, PluginError
-from mcsl_core.hooks.guards import Watch, read_only
+from mcsl_core.hooks.guards import read_only
 from mcsl_core.hooks.registry import Offer
 from mcsl_core.hooks.stages import STAGES
+from mcsl_core.hooks.watch import Watch
 from mcsl_core.imaging.planes import Planes, black
 from mcsl_core.movement.protocol import Detection
 from mcsl_core.occlusion.score_table import ScoreTable
