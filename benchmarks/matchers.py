@@ -123,7 +123,8 @@ def natural_turn(field_a: NDArray[np.float64], field_b: NDArray[np.float64]) -> 
 def turned_pairs(truth: Truth, pictures: Sequence[NDArray[np.uint8]], degrees: float) -> Iterator[Turned]:
     """The pairs of `PAIRS`, the second camera's picture at ``degrees`` to the first's."""
     for a, b in PAIRS:
-        field_a, field_b = (truth.poses[0].field_points_px[camera] for camera in (a, b))
+        points = truth.poses[0].field_points_px
+        field_a, field_b = points[a], points[b]
         size = truth.size
         middle = ((size[0] - 1) / 2, (size[1] - 1) / 2)
         # OpenCV's angle runs against the picture's: y points down.
@@ -138,32 +139,33 @@ def turned_pairs(truth: Truth, pictures: Sequence[NDArray[np.uint8]], degrees: f
         )  # fmt: skip
 
 
-def judge(offer: Offer, views: Turned) -> Judged:
+def judge(offer: Offer, turned: Turned) -> Judged:
     """One matcher on one pair, against the true places of the field's points."""
     matcher = offer.checked
     began = time.process_time()
-    a, b = matcher.features(views.a), matcher.features(views.b, views.mask)
+    a, b = matcher.features(turned.a), matcher.features(turned.b, turned.mask)
     between = time.process_time()
     pairs = matcher.match(a, b)
     ended = time.process_time()
-    at, found = (f.points[pairs[:, i]].astype(np.float64) for i, f in ((0, a), (1, b)))
-    truly = LinearNDInterpolator(views.field_a, views.field_b)(at)  # NaN outside of the field's outline
+    at = a.points[pairs[:, 0]].astype(np.float64)
+    found = b.points[pairs[:, 1]].astype(np.float64)
+    truly = LinearNDInterpolator(turned.field_a, turned.field_b)(at)  # NaN outside of the field's outline
     inside = ~np.isnan(truly[:, 0])
     at, found, truly = at[inside], found[inside], truly[inside]
     close = np.hypot(*(found - truly).T) < CLOSE_PX
-    best, _ = cv2.findHomography(views.field_a, views.field_b, 0)
+    best, _ = cv2.findHomography(turned.field_a, turned.field_b, 0)
     error = np.inf
     if len(at) >= 8:
         made, _ = cv2.findHomography(at, found, cv2.USAC_MAGSAC, 2 * CLOSE_PX, maxIters=20000, confidence=0.9999)
         if made is not None:
-            error = rms_over_field(made, views) / rms_over_field(best, views)
+            error = rms_over_field(made, turned) / rms_over_field(best, turned)
     share = float(close.mean()) if len(close) else 0.0
     return Judged(len(at), share, error, (between - began) / 2, ended - between)
 
 
-def rms_over_field(homography: object, views: Turned) -> float:
+def rms_over_field(homography: object, turned: Turned) -> float:
     """Distance in pixels of the field's points, carried by a homography, from where they lie."""
-    apart = transform_points(np.asarray(homography, np.float64), views.field_a) - views.field_b
+    apart = transform_points(np.asarray(homography, np.float64), turned.field_a) - turned.field_b
     return float(np.sqrt(np.square(apart).sum(axis=1).mean()))
 
 
@@ -217,9 +219,9 @@ def main() -> None:
     for scene in SCENES:
         truth, pictures = recording(folder, scene)
         for turn in TURNS:
-            for views in turned_pairs(truth, pictures, turn):
+            for pair in turned_pairs(truth, pictures, turn):
                 for offer in offers:
-                    found[offer.name][turn].append(judge(offer, views))
+                    found[offer.name][turn].append(judge(offer, pair))
                     print(scene, turn, offer.name, found[offer.name][turn][-1], flush=True)
     (RESULTS / "matchers.md").write_text(markdown(found), "utf-8")
 

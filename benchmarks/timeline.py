@@ -141,7 +141,8 @@ def run(command: list[str], folder: Path, edl: Edl, rounds: int) -> dict:
     path = folder / "edl.json"
     save(edl, path)
     with tempfile.TemporaryDirectory() as name:
-        order, answer, script = (Path(name) / n for n in ("order.json", "answer.json", "inside.py"))
+        work = Path(name)
+        order, answer, script = work / "order.json", work / "answer.json", work / "inside.py"
         script.write_text(INSIDE, encoding="utf-8")
         request = {"edl": str(path), "paths": search_paths(), "rounds": rounds, "answer": str(answer)}
         order.write_text(json.dumps({**request, "shots": [[s.range.start, s.range.stop] for s in edl.shots]}))

@@ -262,7 +262,8 @@ def _read_csv(path: Path) -> Sequence[_Entry]:
         for row in rows:
             try:
                 pose = int(row["pose"]) if row.get("pose") else None
-                x, y, u, v = (float(row[name]) for name in COLUMNS[2:])
+                x, y = float(row["x"]), float(row["y"])
+                u, v = float(row["programme_x"]), float(row["programme_y"])
             except (TypeError, ValueError) as error:
                 raise DocumentError(str(error), where=f"{path}, line {rows.line_num}", remedy=remedy) from error
             found.setdefault((row["camera"], pose), []).append((x, y, u, v))

@@ -158,7 +158,7 @@ def read_ratings(path: Path) -> dict[tuple[str, str], dict[str, dict[str, int]]]
     found: dict[tuple[str, str], dict[str, dict[str, int]]] = {}
     for row in rows:
         where = f"{path}, line {rows.line_num}"
-        participant, video, factor, method, rating = ((row[name] or "").strip() for name in COLUMNS)
+        participant, video, factor, method, rating = [(row[name] or "").strip() for name in COLUMNS]
         if rating not in ("1", "2", "3", "4", "5"):
             raise DocumentError(
                 f"the rating is {rating!r}", where=where, remedy="Ratings are whole numbers from 1 to 5"
@@ -248,7 +248,8 @@ def friedman(ratings: Sequence[NDArray[np.float64]]) -> Friedman:
     """
     if all((values == ratings[0]).all() for values in ratings):
         return Friedman(None, None, None, significant=False)
-    statistic, p = (float(v) for v in stats.friedmanchisquare(*ratings))
+    found = stats.friedmanchisquare(*ratings)
+    statistic, p = float(found[0]), float(found[1])
     return Friedman(statistic, p, statistic / (len(ratings[0]) * (len(ratings) - 1)), p < LEVEL)
 
 

@@ -65,7 +65,7 @@ def _steady_words(rows: Mapping[str, Measured], width: int) -> str:
     if not {"no", "auto"} <= rows.keys():
         return ""
     for what, name in (("field", "av_speed_field_px"), ("picture", "av_speed_px")):
-        no, auto = (getattr(rows[variant].switches, name) for variant in ("no", "auto"))
+        no, auto = getattr(rows["no"].switches, name), getattr(rows["auto"].switches, name)
         if no is not None and auto is not None:
             return (
                 f"At a switch the {what} jumps by {auto:.1f} pixels of {width} on average; "

@@ -44,7 +44,7 @@ def moved(dx: float, dy: float = 0.0, degrees: float = 0.0):
     return tuple(tuple(float(v) for v in row) for row in turn)
 
 
-def scene(seed: int = 3) -> np.ndarray:
+def texture(seed: int = 3) -> np.ndarray:
     """A still picture with corners to follow, larger than the cameras' pictures on all sides."""
     rng = np.random.default_rng(seed)
     coarse = rng.integers(40, 216, (60, 80, 3)).astype(np.uint8)
@@ -56,11 +56,11 @@ TO_REFERENCE = {"a": IDENTITY, "b": moved(12, -6, 20), "c": moved(-20, 4, -35)}
 
 @pytest.fixture(scope="module")
 def still(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Three cameras that see one still scene, turned and shifted: what aligned views show is the same."""
+    """Three cameras that see one still texture, turned and shifted: what aligned views show is the same."""
     folder = tmp_path_factory.mktemp("still")
     shift = np.array([[1, 0, -160], [0, 1, -150], [0, 0, 1.0]])
     for name, matrix in TO_REFERENCE.items():
-        view = cv2.warpPerspective(scene(), np.linalg.inv(np.array(matrix)) @ shift, SIZE, flags=cv2.INTER_CUBIC)
+        view = cv2.warpPerspective(texture(), np.linalg.inv(np.array(matrix)) @ shift, SIZE, flags=cv2.INTER_CUBIC)
         with VideoWriter(folder / f"{name}.mp4", size=SIZE, rate=RATE) as writer:
             for _ in range(FRAMES):
                 writer.write(bgr_to_planes(view))
@@ -68,7 +68,7 @@ def still(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def programme(*shots: tuple[int, str], **more) -> Edl:
-    """Shots as (first frame, camera) over `FRAMES`, all aligned as the scene was made."""
+    """Shots as (first frame, camera) over `FRAMES`, all aligned as the cameras were laid."""
     starts = [*(start for start, _ in shots), FRAMES]
     return Edl(
         rate=RATE,
@@ -130,14 +130,14 @@ def test_speed_is_the_mean_distance_of_points_that_both_frames_show() -> None:
 
 
 def test_corners_are_followed_and_points_found_again() -> None:
-    picture = cv2.cvtColor(scene(), cv2.COLOR_BGR2GRAY)
+    picture = cv2.cvtColor(texture(), cv2.COLOR_BGR2GRAY)
     shift = np.array([[1, 0, 2.5], [0, 1, -1.5]])
     followed = Tracker().follow(picture, cv2.warpAffine(picture, shift, (640, 480)))
     inside = (followed.before > 20).all(axis=1) & (followed.before < [620, 460]).all(axis=1)
     assert inside.sum() > 50
     assert np.abs((followed.after - followed.before)[inside] - [2.5, -1.5]).max() < 0.3
     hidden = picture.copy()
-    hidden[:, 320:] = cv2.cvtColor(scene(9), cv2.COLOR_BGR2GRAY)[:, 320:]
+    hidden[:, 320:] = cv2.cvtColor(texture(9), cv2.COLOR_BGR2GRAY)[:, 320:]
     kept = Tracker().follow(picture, hidden).before[:, 0]
     assert (kept < 310).sum() > 50
     assert (kept > 330).sum() < 0.1 * (kept < 310).sum(), "what something came before is not followed"
@@ -151,7 +151,7 @@ def test_where_there_is_nothing_to_follow_there_are_no_tracks() -> None:
     flat, noise = np.full((90, 160), 99, np.uint8), np.random.default_rng(0).integers(0, 255, (2, 180, 320))
     assert len(Tracker().follow(flat, flat)) == 0
     assert len(Tracker().match(flat, flat)) == 0
-    picture = cv2.cvtColor(scene(), cv2.COLOR_BGR2GRAY)
+    picture = cv2.cvtColor(texture(), cv2.COLOR_BGR2GRAY)
     scattered = np.hstack([np.roll(picture[:, i : i + 128], 90 * i // 128, axis=0) for i in range(0, 640, 128)])
     assert len(Tracker().match(picture, scattered)) == 0, "five ways at once are no common plane"
     a, b = noise.astype(np.uint8)
@@ -207,7 +207,7 @@ def test_every_variant_is_made_by_the_same_compositor(still: Path, monkeypatch) 
 
 
 def test_alignment_shows_in_every_figure(still: Path) -> None:
-    """A still scene: aligned, its points stay where they are; unaligned, they move as the cameras lie."""
+    """A still texture: aligned, its points stay where they are; unaligned, they move as the cameras lie."""
     edl = programme(*THREE)
     done = evaluate(edl, still, standard_variants(edl, manual={0: {"b": moved(14, -6, 20), "c": moved(-20, 6, -35)}}))
     no, manual, auto, filled = (done.row(name) for name in ("no", "manual", "auto", "filled"))
@@ -254,7 +254,7 @@ def test_results_about_the_field_leave_the_rest_out(still: Path) -> None:
 
 
 def test_the_speed_agrees_with_points_found_in_the_finished_pictures(still: Path) -> None:
-    """The carried points against an independent look: features of the composed frames on either side of a switch."""
+    """The carried points against an independent measure: features of the composed frames on either side of a switch."""
     edl = programme((0, "a"), (8, "b"))
     variants = standard_variants(edl, manual={0: {"b": moved(20, 0, 14)}})
     done = evaluate(edl, still, variants, every=0)
