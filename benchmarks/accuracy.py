@@ -3,7 +3,7 @@
     python -m benchmarks.accuracy FOLDER [NAME ...]       makes what is missing, analyses, writes results/accuracy.md
 
 Two analyses of every recording: mcsl's defaults, and the paper's variants (movement by the degree of misalignment,
-occlusion by hue, the least occluded camera at every moment). The programme of the defaults is then held against
+occlusion by hue, the least occluded camera at every time). The programme of the defaults is then held against
 No-alignment and Manual-alignment by the paper's measures. FOLDER keeps recordings and analyses: what is there is used.
 """
 
@@ -27,7 +27,7 @@ from mcsl_core.analysis.pipeline import analyse
 from mcsl_core.analysis.settings import AnalysisSettings
 from mcsl_core.evaluation.evaluate import Variant, evaluate, standard_variants
 from mcsl_core.evaluation.manual_alignment import aligned_by_hand, homography_from_points, similarity_from_points
-from mcsl_core.hooks import registry as plugins
+from mcsl_core.hooks.registry import discover
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import PoseTruth, Truth, alignment_error, best_plane_error, load_truth
 
@@ -55,7 +55,7 @@ def measure(folder: Path, name: str) -> dict[str, Any]:
             [recording],
             out,
             settings=AnalysisSettings(stages=stages),
-            plugins=plugins.discover(),
+            plugins=discover(),
             progress=Silent(),
         )
         found[variant] = judged(made, truth)
@@ -67,6 +67,7 @@ def measure(folder: Path, name: str) -> dict[str, Any]:
 
 
 def scene_of(truth: Truth) -> str:
+    """What the recording shows, in words."""
     s = truth.scenario
     return (
         f"{s.duration_s:g} s, {s.size[0]}x{s.size[1]}, {len(truth.movements)} movements, {s.drape} drape, "
@@ -75,6 +76,7 @@ def scene_of(truth: Truth) -> str:
 
 
 def judged(made: edl.Edl, truth: Truth) -> dict[str, Any]:
+    """One analysis against the truth, stage by stage."""
     rate = float(truth.rate)
     pairs, missed, false = matched([(m.range.start, m.range.stop) for m in made.movements], truth.movements, rate)
     starts = [abs(a[0] - b[0]) / rate for a, b in pairs]
@@ -170,8 +172,8 @@ def by_hand(made: edl.Edl, truth: Truth, seed: int) -> dict[int, dict[str, Any]]
     for index, pose in enumerate(made.poses):
         true = _true_pose(truth, pose)
         matrices[index] = {}
-        for number, camera in enumerate(truth.cameras):
-            clicked = true.field_points_px[number][corners] + rng.normal(0, CLICK_PX, (4, 2))
+        for camera_index, camera in enumerate(truth.cameras):
+            clicked = true.field_points_px[camera_index][corners] + rng.normal(0, CLICK_PX, (4, 2))
             target = home[corners] + rng.normal(0, CLICK_PX, (4, 2))
             matrices[index][camera] = similarity_from_points(clicked, target)
     return matrices
@@ -183,8 +185,8 @@ def by_truth(made: edl.Edl, truth: Truth) -> dict[int, dict[str, Any]]:
     home = truth.poses[0].field_points_px[truth.camera_index(truth.reference)]
     return {
         index: {
-            camera: homography_from_points(_true_pose(truth, pose).field_points_px[number], home)
-            for number, camera in enumerate(truth.cameras)
+            camera: homography_from_points(_true_pose(truth, pose).field_points_px[camera_index], home)
+            for camera_index, camera in enumerate(truth.cameras)
         }
         for index, pose in enumerate(made.poses)
     }
@@ -225,28 +227,14 @@ def steadiness(made: edl.Edl, base: Path, truth: Truth) -> dict[str, Any]:
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+    """A table in Markdown."""
     lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
     return "\n".join(lines + ["| " + " | ".join(str(c) for c in row) + " |" for row in rows])
 
 
 def markdown(all_figures: Sequence[Mapping[str, Any]]) -> str:
-    movements, views, fields, syncs, whole, switches = [], [], [], [], [], []
-    for f in all_figures:
-        ours, paper, name = f["ours"], f.get("paper"), f["name"]
-        movements.append([name, ours["true"], *(_movement(v) for v in (ours, paper))])
-        views.append([name, *(_views(v) for v in (ours, paper)), ours["perspectives"], ours["weak"]])
-        fields.append([name, *(_field(v) for v in (ours, paper))])
-        syncs.append([name, f"{f['sync']['ms']:.2f}", f"{f['sync']['ppm']:.2f}", ", ".join(f["sync"]["methods"])])
-        for rows, key in ((whole, "whole"), (switches, "switches")):
-            four = [f["steadiness"][v][key] for v in ("no", "manual", "auto", "best")]
-            itf, speed = ([_number(v[i]) for v in four] for i in (0, 1))
-            rows.append([name, *itf, _gain(four, 0), *speed, _gain(four, 1)])
-        field = [f["steadiness"][v]["field"] for v in ("no", "manual", "auto")]
-        switches[-1] += [_gain(field, 0), _gain(field, 1)]
-    ratios = np.concatenate([f["ours"]["ratios"] for f in all_figures])
-    steady = ["No", "Manual", "Auto", "best", "gain"]
-    heads = ["", *(f"ITF {s}" for s in steady), *(f"AvSpeed {s}" for s in steady)]
-    return "\n".join(
+    """The page: a section a stage, a row a recording."""
+    sections = [
         [
             "# Accuracy on simulated recordings",
             "",
@@ -254,58 +242,113 @@ def markdown(all_figures: Sequence[Mapping[str, Any]]) -> str:
             f"{platform.machine()}, Python {platform.python_version()}. Seeds 401 and up, used for nothing else.",
             "",
             table(["", "scene"], [[f["name"], f["scene"]] for f in all_figures]),
-            "",
-            "## Movements",
-            "",
-            "Missed / false; largest error of start and end in seconds (reach: none, none, 0.5 s).",
-            "",
-            table(["", "true", "stillness (default)", "paper"], movements),
-            "",
-            "## Alignment",
-            "",
-            "rms error over the field as a multiple of the best plane's: mean / worst camera (reach: 1.15 / 1.5). "
-            f"All default ones together: **{ratios.mean():.3f} / {ratios.max():.3f}** over {len(ratios)} views. The "
-            "paper's column has its movements' poses. Perspectives (1 is: kept over every movement) and weak cameras.",
-            "",
-            table(["", "default", "with the paper's movements", "perspectives", "weak"], views),
-            "",
-            "## Visible field",
-            "",
-            "Of the chosen cameras as a share of the best camera's in each frame: all frames, while the lamp stands "
-            "(reach: 97 %); switches per 5 s (reach: 1 at most); shortest shot (minimum 2 s).",
-            "",
-            table(["", "default", "hue-area and least-occluded (paper)"], fields),
-            "",
-            "## Steadiness, whole programme",
-            "",
-            "ITF in dB, AvSpeed in pixels a frame at 640 px width; Manual is the best similarity from four point pairs "
-            "clicked with 2 px of error, in every pose; gain is Auto over Manual in per cent. Best: with "
-            "the truth's own best planes, which is as far as planes go.",
-            "",
-            table(heads, whole),
-            "",
-            "## Steadiness, switches only",
-            "",
-            "The same over the two frames around each switch (the paper's best gains: +50 % and -70 %); at the end the "
-            "gains about the field alone.",
-            "",
-            table([*heads, "ITF field", "AvSpeed field"], switches),
-            "",
-            "## Sync by sound",
-            "",
-            "Largest error of any camera's clock at the start and end, and of its drift (reach: 5 ms, 3 ppm).",
-            "",
-            table(["", "ms", "ppm", "methods"], syncs),
-            "",
-        ]
-    )
+        ],
+        _movement_section(all_figures),
+        _alignment_section(all_figures),
+        _field_section(all_figures),
+        _steadiness_section(all_figures),
+        _switch_section(all_figures),
+        _sync_section(all_figures),
+    ]
+    return "\n".join(line for section in sections for line in (*section, ""))
+
+
+def _movement_section(all_figures: Sequence[Mapping[str, Any]]) -> list[str]:
+    rows = [[f["name"], f["ours"]["true"], _movement(f["ours"]), _movement(f.get("paper"))] for f in all_figures]
+    return [
+        "## Movements",
+        "",
+        "Missed / false; largest error of start and end in seconds (reach: none, none, 0.5 s).",
+        "",
+        table(["", "true", "stillness (default)", "paper"], rows),
+    ]
+
+
+def _alignment_section(all_figures: Sequence[Mapping[str, Any]]) -> list[str]:
+    ratios = np.concatenate([f["ours"]["ratios"] for f in all_figures])
+    rows = [
+        [f["name"], _views(f["ours"]), _views(f.get("paper")), f["ours"]["perspectives"], f["ours"]["weak"]]
+        for f in all_figures
+    ]
+    return [
+        "## Alignment",
+        "",
+        "rms error over the field as a multiple of the best plane's: mean / worst camera (reach: 1.15 / 1.5). "
+        f"All default ones together: **{ratios.mean():.3f} / {ratios.max():.3f}** over {len(ratios)} views. The "
+        "paper's column has its movements' poses. Perspectives (1 is: kept over every movement) and weak cameras.",
+        "",
+        table(["", "default", "with the paper's movements", "perspectives", "weak"], rows),
+    ]
+
+
+def _field_section(all_figures: Sequence[Mapping[str, Any]]) -> list[str]:
+    rows = [[f["name"], _field(f["ours"]), _field(f.get("paper"))] for f in all_figures]
+    return [
+        "## Visible field",
+        "",
+        "Of the chosen cameras as a share of the best camera's in each frame: all frames, while the lamp stands "
+        "(reach: 97 %); switches per 5 s (reach: 1 at most); shortest shot (minimum 2 s).",
+        "",
+        table(["", "default", "hue-area and least-occluded (paper)"], rows),
+    ]
+
+
+STEADINESS = ("No", "Manual", "Auto", "best", "gain")
+STEADINESS_HEADS = ("", *(f"ITF {name}" for name in STEADINESS), *(f"AvSpeed {name}" for name in STEADINESS))
+
+
+def _steadiness_section(all_figures: Sequence[Mapping[str, Any]]) -> list[str]:
+    return [
+        "## Steadiness, whole programme",
+        "",
+        "ITF in dB, AvSpeed in pixels a frame at 640 px width; Manual is the best similarity from four point pairs "
+        "clicked with 2 px of error, in every pose; gain is Auto over Manual in per cent. Best: with "
+        "the truth's own best planes, which is as far as planes go.",
+        "",
+        table(STEADINESS_HEADS, [_steadiness_row(f, "whole") for f in all_figures]),
+    ]
+
+
+def _switch_section(all_figures: Sequence[Mapping[str, Any]]) -> list[str]:
+    rows = []
+    for f in all_figures:
+        field = [f["steadiness"][variant]["field"] for variant in ("no", "manual", "auto")]
+        rows.append([*_steadiness_row(f, "switches"), _gain(field, 0), _gain(field, 1)])
+    return [
+        "## Steadiness, switches only",
+        "",
+        "The same over the two frames around each switch (the paper's best gains: +50 % and -70 %); at the end the "
+        "gains about the field alone.",
+        "",
+        table([*STEADINESS_HEADS, "ITF field", "AvSpeed field"], rows),
+    ]
+
+
+def _steadiness_row(figures: Mapping[str, Any], scope: str) -> list[str]:
+    four = [figures["steadiness"][variant][scope] for variant in ("no", "manual", "auto", "best")]
+    itf, speed = [_number(v[0]) for v in four], [_number(v[1]) for v in four]
+    return [figures["name"], *itf, _gain(four, 0), *speed, _gain(four, 1)]
+
+
+def _sync_section(all_figures: Sequence[Mapping[str, Any]]) -> list[str]:
+    rows = [
+        [f["name"], f"{f['sync']['ms']:.2f}", f"{f['sync']['ppm']:.2f}", ", ".join(f["sync"]["methods"])]
+        for f in all_figures
+    ]
+    return [
+        "## Sync by sound",
+        "",
+        "Largest error of any camera's clock at the start and end, and of its drift (reach: 5 ms, 3 ppm).",
+        "",
+        table(["", "ms", "ppm", "methods"], rows),
+    ]
 
 
 def _movement(v: Mapping[str, Any] | None) -> str:
     if v is None:
         return "not run"
-    start, end = ("–" if v[name] is None else f"{v[name]:.2f}" for name in ("start_s", "end_s"))
-    return f"{v['missed']} / {v['false']}; {start}, {end}"
+    errors = ["–" if v[name] is None else f"{v[name]:.2f}" for name in ("start_s", "end_s")]
+    return f"{v['missed']} / {v['false']}; {', '.join(errors)}"
 
 
 def _views(v: Mapping[str, Any] | None) -> str:

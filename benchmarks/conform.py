@@ -129,6 +129,7 @@ def child(kind: str, clip: Path, seconds: float) -> None:
 
 
 def run(kind: str, clip: Path, seconds: float) -> dict[str, float]:
+    """`child` in a process of its own; what it cost."""
     call = [sys.executable, "-m", "benchmarks.conform", "--child", kind, str(clip), str(seconds)]
     figures = json.loads(subprocess.run(call, check=True, capture_output=True, text=True).stdout)
     print(f"{kind} of {seconds:g} s:", {k: round(v, 1) for k, v in figures.items()}, flush=True)
@@ -136,14 +137,15 @@ def run(kind: str, clip: Path, seconds: float) -> dict[str, float]:
 
 
 def markdown(rounds: list[dict[str, dict[str, float]]], memory: dict[float, float], load: float) -> str:
+    """The page: a row a run, then the memory."""
     rows = []
     for kind in rounds[0]:
         of_kind = [r[kind] for r in rounds]
         ratios = {unit: sorted(r[YARDSTICK][unit] / r[kind][unit] for r in rounds) for unit in ("wall_ms", "cpu_ms")}
-        wall, cpu = (f"{median(v):.2f} ({v[0]:.2f} to {v[-1]:.2f})" for v in ratios.values())
+        rates = [f"{median(v):.2f} ({v[0]:.2f} to {v[-1]:.2f})" for v in ratios.values()]
         values = (f"{median(f[unit] for f in of_kind):.0f}" for unit in ("wall_ms", "cpu_ms", "mbit_s", "mib"))
-        rows.append(f"| {kind} | {' | '.join((*values, wall, cpu))} | {REACH.get(kind, '')} |")
-    short, long = (memory[60.0 * m] for m in MINUTES)
+        rows.append(f"| {kind} | {' | '.join((*values, *rates))} | {REACH.get(kind, '')} |")
+    short, long = memory[60.0 * MINUTES[0]], memory[60.0 * MINUTES[1]]
     options = " ".join(f"{k} {v}" for k, v in STANDARD.encoding.options.items())
     return "\n".join(
         [
@@ -172,8 +174,8 @@ def main() -> None:
     clip, small = source(folder, SIZE), source(folder, SMALL)
     load, kinds = os.getloadavg()[0], [YARDSTICK, *LOOKS]
     rounds = []
-    for number in range(count):
-        order = kinds if number % 2 == 0 else kinds[::-1]
+    for index in range(count):
+        order = kinds if index % 2 == 0 else kinds[::-1]
         made = {kind: run(kind, clip, RUN_S) for kind in order}
         rounds.append({kind: made[kind] for kind in kinds})
     memory = {60.0 * minutes: run(ALL, small, 60.0 * minutes)["mib"] for minutes in MINUTES}

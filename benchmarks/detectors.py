@@ -37,7 +37,7 @@ from mcsl_core.alignment.poses import pose_ranges
 from mcsl_core.alignment.settings import SolveSettings
 from mcsl_core.analysis.cache import POSES
 from mcsl_core.edl import Clock, Movement
-from mcsl_core.hooks import registry as plugins
+from mcsl_core.hooks.registry import Offer, Plugins, discover
 from mcsl_core.occlusion.scoring import ScoringSegment, scoring_segments
 from mcsl_core.progress import Silent
 from mcsl_core.recording.cameras import open_cameras
@@ -47,7 +47,7 @@ from mcsl_core.recording.sample_store import SAMPLE_HEIGHT, SampleStore
 from mcsl_core.simulation import Scenario, Truth, load_truth, simulate
 from mcsl_core.timing import FrameRange
 
-installed = cache(plugins.discover)
+installed = cache(discover)
 RESULTS = Path(__file__).parent / "results"
 DETECTORS = ("hue-area", "consensus", "onnx", "learned")
 FRAMES = 6  # painted in each recording to train on
@@ -83,8 +83,22 @@ ALL = TRAINED_ON | TUNED_ON | JUDGED
 
 
 @frozen(eq=False)
-class Looked:
-    """A recording as detectors get it. at: (samples, cameras), the programme frame each picture really belongs to."""
+class Prepared:
+    """A recording as detectors get it.
+
+    Attributes
+    ----------
+    truth : Truth
+        What the simulator knows.
+    samples : SampleStore
+        About one a second.
+    solved : sequence of SolvedPose
+        By mcsl's own alignment.
+    movements : tuple of Movement
+        The true ones.
+    at : (samples, cameras) int64
+        The programme frame that each picture really belongs to.
+    """
 
     truth: Truth
     samples: SampleStore
@@ -92,7 +106,8 @@ class Looked:
     movements: tuple[Movement, ...]
     at: NDArray[np.int64]
 
-    def stretches(self, detector: plugins.Offer) -> tuple[ScoringSegment, ...]:
+    def segments(self, detector: Offer) -> tuple[ScoringSegment, ...]:
+        """The segments that a detector scores."""
         return scoring_segments(self.samples, self.solved, self.movements, detector.checked)
 
     def seen(self) -> NDArray[np.float64]:
@@ -101,7 +116,7 @@ class Looked:
         return np.take_along_axis(self.truth.visible_field, at, axis=0)
 
 
-def look(folder: Path, name: str) -> Looked:
+def prepare(folder: Path, name: str) -> Prepared:
     """A recording, its samples and its poses by mcsl's own alignment, all kept in ``folder``."""
     recording, store = folder / name, folder / f"{name}.samples"
     if not (recording / "truth.json").exists():
@@ -124,7 +139,7 @@ def look(folder: Path, name: str) -> Looked:
         np.savez_compressed(kept, at=np.array(at), **POSES.pack(solved))  # pyright: ignore[reportArgumentType]
     with np.load(kept) as stored:
         arrays = dict(stored)
-    return Looked(truth, samples, POSES.unpack(arrays), movements, arrays["at"])
+    return Prepared(truth, samples, POSES.unpack(arrays), movements, arrays["at"])
 
 
 def _solved(
@@ -148,18 +163,18 @@ def marked(folder: Path, name: str) -> Path:
     out = folder / f"{name}.frames"
     if out.exists():
         return out
-    looked = look(folder, name)
-    with closing(looked.samples):
-        piece = looked.stretches(installed().choose("occlusion", "consensus"))[0]
-        numbers = [looked.samples.frames[int(i)] for i in piece.samples.positions]
+    prepared = prepare(folder, name)
+    with closing(prepared.samples):
+        piece = prepared.segments(installed().choose("occlusion", "consensus"))[0]
+        numbers = [prepared.samples.frames[int(i)] for i in piece.samples.positions]
         for picture in write_frames(out, piece.samples.aligned, piece.samples, numbers, count=FRAMES):
             number, camera = picture.stem.split("_")
-            column = looked.samples.cameras.index(camera)
-            at = int(looked.at[looked.samples.frames.index(int(number)), column])
-            own = looked.truth.own_frame(camera, at)
+            column = prepared.samples.cameras.index(camera)
+            at = int(prepared.at[prepared.samples.frames.index(int(number)), column])
+            own = prepared.truth.own_frame(camera, at)
             assert own is not None
             shape = read_png(picture).shape[:2]
-            labels = Painter.of(looked.truth.scenario, column).labels(own, shape)
+            labels = Painter.of(prepared.truth.scenario, column).labels(own, shape)
             save_png(out / f"{picture.stem}.mask.png", painting(labels))
     return out
 
@@ -184,21 +199,21 @@ def models(folder: Path) -> dict[str, Any]:
 # -------------------------------------------------------------------------------------------------------- judging
 
 
-def judge(looked: Looked, name: str) -> dict[str, float]:
+def judge(prepared: Prepared, name: str) -> dict[str, float]:
     """One detector on one recording: error of the visible share, what the camera chosen by it shows, CPU a sample."""
     found = installed()
     offer = found.choose("occlusion", name)
-    seen, standing = looked.seen(), np.zeros(len(looked.samples), bool)
+    seen, standing = prepared.seen(), np.zeros(len(prepared.samples), bool)
     said = np.full(seen.shape, np.nan)
     start = time.process_time()
     pictures = 0.0
-    for piece in looked.stretches(offer):
+    for piece in prepared.segments(offer):
         for position in piece.samples.positions:
             before = time.process_time()
-            views = piece.samples.aligned.views(looked.samples[int(position)].pictures)
+            views = piece.samples.aligned.views(prepared.samples[int(position)].pictures)
             pictures += time.process_time() - before
             for camera, value in piece.score(views).items():
-                said[position, looked.samples.cameras.index(camera)] = value
+                said[position, prepared.samples.cameras.index(camera)] = value
             standing[position] = True
     spent = time.process_time() - start - pictures
     known = standing[:, None] & ~np.isnan(said)
@@ -207,16 +222,16 @@ def judge(looked: Looked, name: str) -> dict[str, float]:
     return {
         "error": float(np.abs(said - seen)[known].mean()),
         "chosen": float(seen[rows, chosen[rows]].sum() / seen[rows].max(axis=1).sum()),
-        "programme": _programme(said, looked, found),
+        "programme": _programme(said, prepared, found),
         "cpu_ms": 1000 * spent / max(len(rows), 1),
     }
 
 
-def _programme(said: NDArray[np.float64], looked: Looked, found: plugins.Plugins) -> float:
+def _programme(said: NDArray[np.float64], prepared: Prepared, found: Plugins) -> float:
     """Visible field of the shots that the default selector makes of the scores, over the best camera's, per frame."""
     from mcsl_core.occlusion.score_table import ScoreTable
 
-    truth, samples = looked.truth, looked.samples
+    truth, samples = prepared.truth, prepared.samples
     scores = ScoreTable(np.array(samples.frames), samples.cameras, said, ~np.isnan(said).all(axis=0) & (said == said))
     shots = found.choose("selector").implementation.select(scores, frames=truth.frames, rate=truth.rate)
     got = sum(
@@ -229,19 +244,22 @@ def measure(folder: Path, name: str) -> dict[str, Any]:
     """All detectors on one recording; kept as JSON beside it."""
     kept = folder / f"{name}.figures.json"
     if not kept.exists():
-        looked = look(folder, name)
-        with closing(looked.samples):
-            found = {"name": name, **{d: judge(looked, d) for d in DETECTORS}}
+        prepared = prepare(folder, name)
+        with closing(prepared.samples):
+            found = {"name": name, **{d: judge(prepared, d) for d in DETECTORS}}
         kept.write_text(json.dumps(found, indent=1) + "\n", "utf-8")
     return json.loads(kept.read_text("utf-8"))
 
 
 def scene_of(name: str) -> str:
+    """What the recording shows, in words."""
     s = ALL[name]
     return f"{s.drape} drape, {s.skin} skin, {s.gloves} gloves, {s.heads} heads"
 
 
 def markdown(all_figures: Sequence[Mapping[str, Any]], told: Mapping[str, Any]) -> str:
+    """The page: a table a measure, a column a detector."""
+
     def column(key: str, form: str, best: Any) -> str:
         rows = []
         groups = [[f for f in all_figures if (ALL[f["name"]].drape == "skin") == same] for same in (True, False)]

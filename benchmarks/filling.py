@@ -3,11 +3,11 @@
     python -m benchmarks.filling FOLDER [NAME ...]        makes what is missing, writes results/filling.md
 
 Programme frames by both fillers, from the analysis's EDL, as it centres them and shifted by a tenth of the picture by
-hand, are held against `UnoccludedScene`: the same moment without heads and hands, seen by the reference camera of the
+hand, are held against `UnoccludedScene`: the same instant without heads and hands, seen by the reference camera of the
 first pose on a larger image plane. Counted are the pixels that the chosen camera does not see, but some camera in some
 pose of this perspective. Twice: with the cameras filming the empty room, which shows what a filler does, and as
-recorded, where people stand in the other cameras' views as well. No filler reaches that truth: the other cameras look
-at the relief from another side.
+recorded, where people stand in the other cameras' views as well. No filler reaches that truth: the other cameras see
+the relief from another side.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from mcsl_core.edl.resolve import resolve, shift_at
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.paper import PaperFiller
 from mcsl_core.filling.protocol import Filler
-from mcsl_core.hooks import registry as plugins
+from mcsl_core.hooks.registry import discover
 from mcsl_core.imaging.planes import Planes, median_planes, planes_to_bgr
 from mcsl_core.progress import Silent
 from mcsl_core.recording.footage import Footage
@@ -49,31 +49,45 @@ from mcsl_core.simulation.unoccluded import UnoccludedScene
 from mcsl_core.timing import FrameRange
 
 RESULTS = Path(__file__).parent / "results"
-FRAMES = 3  # looked at in each pose
+FRAMES = 3  # judged in each pose
 SHIFT = 0.1  # of the picture's width and height, to the right and down
 FILLERS: tuple[Filler, ...] = (PaperFiller(), FootprintFiller())
 
 
 @frozen
 class Row:
-    """One pose of one recording, centred in one way. Pairs are by each of `FILLERS`."""
+    """One pose of one recording, centred in one way.
+
+    Attributes
+    ----------
+    name, pose, centred
+        Which it is.
+    share, nobody : float
+        Of the picture: what the chosen camera does not show, but some camera in some pose; and what no camera ever
+        shows, which both fillers leave black.
+    empty_db, people_db : tuple of float
+        By each of `FILLERS`: PSNR of the filled pixels, the room empty and as recorded.
+    black : tuple of float
+        By each of `FILLERS`: share of those left black, the room empty.
+    cpu_ms : tuple of float
+        By each of `FILLERS`: a frame, beyond the same without fill.
+    """
 
     name: str
     pose: int
     centred: str
-    share: float  # of the picture: what the chosen camera does not see, but some camera in some pose
-    nobody: float  # of the picture: what no camera ever sees, and both fillers leave black
-    empty_db: tuple[float, ...]  # PSNR of those, the room empty
-    black: tuple[float, ...]  # share of those left black, the room empty
-    people_db: tuple[float, ...]  # PSNR of those as recorded
-    cpu_ms: tuple[float, ...]  # a frame, beyond the same without fill
+    share: float
+    nobody: float
+    empty_db: tuple[float, ...]
+    black: tuple[float, ...]
+    people_db: tuple[float, ...]
+    cpu_ms: tuple[float, ...]
 
 
-class EmptyRoom(Footage):
-    """What the cameras would have filmed without people."""
+class EmptyRoom:
+    """A `PictureSource` of what the cameras would have filmed without people."""
 
-    def __init__(self, programme: edl.Edl, base: Path, truth: Truth) -> None:
-        super().__init__(programme.cameras, rate=programme.rate, frames=programme.frames, base=base)
+    def __init__(self, truth: Truth) -> None:
         simulated = Scene.of(attrs.evolve(truth.scenario, heads=0, hands=0))
         ground = Ground.of(simulated.scenario, simulated.surface, simulated.rig)
         self._truth = truth
@@ -82,94 +96,99 @@ class EmptyRoom(Footage):
             for index, (name, clock) in enumerate(zip(truth.cameras, truth.clocks, strict=True))
         }
 
-    def player(self, camera: str) -> _Empty:  # pyright: ignore[reportIncompatibleMethodOverride]
-        return _Empty(self, camera)
+    def player(self, camera: str) -> _EmptyRoomPlayer:
+        return _EmptyRoomPlayer(self, camera)
 
     def median(self, camera: str, frames: Sequence[int], within: FrameRange) -> Planes | None:
-        pictures = [picture for frame in frames if (picture := self.moment(camera, frame)) is not None]
-        return median_planes(pictures) if pictures else None
+        pictures = [self.picture(camera, frame) for frame in frames]
+        known = [picture for picture in pictures if picture is not None]
+        return median_planes(known) if known else None
 
-    def moment(self, camera: str, frame: int) -> Planes | None:
+    def picture(self, camera: str, frame: int) -> Planes | None:
         own = self._truth.own_frame(camera, frame)
         return None if own is None else self._pictures[camera].frame(own)[0]
 
 
 @frozen
-class _Empty:
+class _EmptyRoomPlayer:
     room: EmptyRoom
     camera: str
 
     def at(self, frame: int) -> Planes | None:
-        return self.room.moment(self.camera, frame)
+        return self.room.picture(self.camera, frame)
 
     def close(self) -> None:
         """Nothing was opened."""
 
 
+@frozen(eq=False)
+class Recording:
+    """A simulated recording: its truth, and what its cameras filmed without and with people."""
+
+    name: str
+    scene: UnoccludedScene
+    room: EmptyRoom
+    filmed: Footage
+
+
 def measure(folder: Path, name: str) -> Iterator[Row]:
-    recording = make(folder, name) if name in RECORDINGS else folder / name
-    truth = load_truth(recording)
+    """The rows of one recording, from its analysis, which is made when it is not there yet."""
+    source = make(folder, name) if name in RECORDINGS else folder / name
+    truth = load_truth(source)
     out = folder / f"{name}.ours" / "edl.json"
     if not out.exists():
         settings = AnalysisSettings()
-        analyse([recording], out, settings=settings, plugins=plugins.discover(), progress=Silent())
+        analyse([source], out, settings=settings, plugins=discover(), progress=Silent())
     made = edl.load(out)
-    scene, room = UnoccludedScene(truth.scenario), EmptyRoom(made, out.parent, truth)
     filmed = Footage(made.cameras, rate=made.rate, frames=made.frames, base=out.parent)
+    recording = Recording(name, UnoccludedScene(truth.scenario), EmptyRoom(truth), filmed)
     by_hand = (0, SHIFT * made.size[0], SHIFT * made.size[1])
     for centred, keys in (("as analysed", made.centering), ("by a tenth", (by_hand,))):
         programme = attrs.evolve(made, centering=keys)
-        for number, pose in enumerate(programme.poses):
-            frames = moments(programme, still_range(programme, pose))
+        for pose_index, pose in enumerate(programme.poses):
+            frames = judged_frames(programme, still_range(programme, pose))
             if pose.perspective == made.poses[0].perspective and frames:
-                yield judged(name, number, centred, programme, frames, scene, room, filmed)
+                yield judged(recording, programme, pose_index, centred, frames)
 
 
-def moments(programme: edl.Edl, still: FrameRange) -> list[int]:
+def judged_frames(programme: edl.Edl, still: FrameRange) -> list[int]:
     """Frames spread over ``still`` at which a filler that remembers begins anew: there it costs a handful of frames."""
     step = block_frames(programme)
-    inside = list(range(-(-still.start // step) * step, still.stop, step))
-    return (
-        [inside[i] for i in sorted(set(np.linspace(0, len(inside) - 1, FRAMES).round().astype(int)))] if inside else []
-    )
+    starts = list(range(-(-still.start // step) * step, still.stop, step))
+    if not starts:
+        return []
+    return [starts[i] for i in sorted(set(np.linspace(0, len(starts) - 1, FRAMES).round().astype(int)))]
 
 
-def judged(
-    name: str,
-    number: int,
-    centred: str,
-    programme: edl.Edl,
-    frames: list[int],
-    scene: UnoccludedScene,
-    room: Footage,
-    filmed: Footage,
-) -> Row:
+def judged(recording: Recording, programme: edl.Edl, pose_index: int, centred: str, frames: list[int]) -> Row:
+    """One row, over ``frames`` of one pose."""
     errors, black, cpu, count, filled, nobody = np.zeros((2, 2)), np.zeros(2), np.zeros(3), 0, 0, 0
-    kin = [p for p in programme.poses if p.perspective == programme.poses[number].perspective]
+    pose = programme.poses[pose_index]
+    kin = [p for p in programme.poses if p.perspective == pose.perspective]
     for frame in frames:
         decision = next(d for piece, d in resolve(programme) if frame in piece)
         offset = shift_at(programme, decision, frame)
-        hole = ~seen(programme, programme.poses[number], decision.camera, offset)
+        hole = ~inside(programme, pose, decision.camera, offset)
         by_some = [
-            seen(programme, p, c.name, offset) for p in kin for c in programme.cameras if c.name in p.homographies
+            inside(programme, p, c.name, offset) for p in kin for c in programme.cameras if c.name in p.homographies
         ]
         count, nobody = count + hole.size, nobody + int((hole & ~np.any(by_some, axis=0)).sum())
         hole &= np.any(by_some, axis=0)
         filled += int(hole.sum())
-        truth = planes_to_bgr(scene.at(float(frame / programme.rate), offset))
-        for j, footage in enumerate((room, filmed)):
+        truth = planes_to_bgr(recording.scene.at(float(frame / programme.rate), offset))
+        for j, pictures in enumerate((recording.room, recording.filmed)):
             for i, filler in enumerate(FILLERS):
-                with Compositor(programme, footage, filler=filler) as compositor:
+                with Compositor(programme, pictures, filler=filler) as compositor:
                     planes = next(iter(compositor.frames(FrameRange(frame, frame + 1))))
                 picture = planes_to_bgr(planes)[hole]
                 errors[j, i] += ((picture.astype(float) - truth[hole]) ** 2).mean(axis=1).sum()
-                black[i] += int((picture.max(axis=1) <= 10).sum()) if footage is room else 0
+                black[i] += int((picture.max(axis=1) <= 10).sum()) if pictures is recording.room else 0
     for i, look in enumerate((edl.Look(fill=False), None, None)):
-        cpu[i] = cost(programme, filmed, FILLERS[max(0, i - 1)], frames[len(frames) // 2], look)
+        cpu[i] = cost(programme, recording.filmed, FILLERS[max(0, i - 1)], frames[len(frames) // 2], look)
     psnr = [[10 * math.log10(255**2 * filled / error) for error in row] for row in errors] if filled else [[], []]
     return Row(
-        name,
-        number,
+        recording.name,
+        pose_index,
         centred,
         filled / count,
         nobody / count,
@@ -180,7 +199,7 @@ def judged(
     )
 
 
-def seen(programme: edl.Edl, pose: edl.Pose, camera: str, offset: tuple[float, float]) -> NDArray[np.bool_]:
+def inside(programme: edl.Edl, pose: edl.Pose, camera: str, offset: tuple[float, float]) -> NDArray[np.bool_]:
     """(H, W): where ``camera`` reaches; a pixel at its edge, half inside, does not count."""
     width, height = programme.camera(camera).size
     ones = np.full((height, width), 255, np.uint8)
@@ -195,13 +214,14 @@ def cost(programme: edl.Edl, footage: Footage, filler: Filler, frame: int, look:
     start = max(0, stop - second)
     before = 0.0
     with Compositor(programme, footage, filler=filler, look=look) as compositor:
-        for number, _ in enumerate(compositor.frames(FrameRange(max(0, start - second), stop))):
-            if number == second - 1:
+        for index, _ in enumerate(compositor.frames(FrameRange(max(0, start - second), stop))):
+            if index == second - 1:
                 before = time.process_time()
     return 1000 * (time.process_time() - before) / second
 
 
 def table(rows: list[Row]) -> str:
+    """The page: a row a pose and centering."""
     lines = [
         "# Filling against simulated truth",
         "",

@@ -2,7 +2,7 @@
 
     python -m benchmarks.matchers FOLDER [NAME ...]       makes what is missing, matches, writes results/matchers.md
 
-Two cameras of a lamp look at the field in the same, clear moment. The second one's picture is turned about its middle
+Two cameras of a lamp film the field at the same time, a clear one. The second one's picture is turned about its middle
 until it stands at the wanted angle to the first; what the turn leaves empty is masked. Judged are the matches within
 the field's outline, by the true places of the field's points, on their relief. Named matchers, else all installed.
 """
@@ -35,7 +35,7 @@ RESULTS = Path(__file__).parent / "results"
 TURNS = (0, 30, 60, 90, 120, 150, 180)
 CLOSE_PX = 3.0
 
-# Seeds that nothing was tuned on. One moment is looked at: six seconds without heads, hands at work.
+# Seeds that nothing was tuned on. One frame is used: of six seconds without heads, hands at work.
 SCENES: Mapping[str, Mapping[str, Any]] = {
     "411": {"drape": "green", "skin": "light", "gloves": "white"},
     "412": {"drape": "blue", "skin": "dark", "gloves": "blue"},
@@ -45,7 +45,17 @@ PAIRS = ((0, 1), (0, 2))  # neighbours on the pentagon, and cameras across it
 
 @frozen(eq=False)
 class Turned:
-    """Two pictures of a moment, the second one turned and masked, and where the field's points lie in both, (N, 2)."""
+    """Two pictures of one time, the second one turned.
+
+    Attributes
+    ----------
+    a, b : (H, W, 3) uint8
+        BGR.
+    mask : (H, W) uint8
+        255 where ``b`` has a picture.
+    field_a, field_b : (N, 2) float64
+        Where the field's points lie in both.
+    """
 
     a: NDArray[np.uint8]
     b: NDArray[np.uint8]
@@ -56,8 +66,20 @@ class Turned:
 
 @frozen
 class Judged:
-    """matches: in the field. share: of those, within `CLOSE_PX` of the truth. error: of the homography they make, rms
-    over the field, as a multiple of the best plane's; infinite where they make none."""
+    """What a matcher made of two pictures.
+
+    Attributes
+    ----------
+    matches : int
+        In the field.
+    share : float
+        Of those within `CLOSE_PX` of the truth, 0..1.
+    error : float
+        Of the homography they make, rms over the field, as a multiple of the best plane's; infinite where they make
+        none.
+    picture_s, pair_s : float
+        CPU seconds of points in one picture, and of matching a pair.
+    """
 
     matches: int
     share: float
@@ -66,14 +88,14 @@ class Judged:
     pair_s: float
 
 
-def clear_moment(truth: Truth) -> int:
+def clear_frame(truth: Truth) -> int:
     """The programme frame in which the cameras compared see most of the field, all of them."""
     used = sorted({camera for pair in PAIRS for camera in pair})
     return int(truth.visible_field[:, used].min(axis=1).argmax())
 
 
 def recording(folder: Path, name: str) -> tuple[Truth, list[NDArray[np.uint8]]]:
-    """The truth and one clear moment's pictures."""
+    """The truth and the pictures of one clear frame."""
     target = folder / name
     if not (target / "truth.json").exists():
         options = {"duration_s": 6, "size": (640, 360), "rate": 8, "movements": 0, "heads": 0, "audio": False}
@@ -82,7 +104,7 @@ def recording(folder: Path, name: str) -> tuple[Truth, list[NDArray[np.uint8]]]:
     truth = load_truth(target)
     cameras = open_cameras([target], folder, Silent())
     footage = Footage(cameras, rate=truth.rate, frames=truth.frames, base=folder)
-    frame = clear_moment(truth)
+    frame = clear_frame(truth)
     pictures = []
     for camera in range(len(cameras)):
         own = truth.own_frame(camera, frame)
@@ -98,9 +120,11 @@ def natural_turn(field_a: NDArray[np.float64], field_b: NDArray[np.float64]) -> 
     return float(np.degrees(np.arctan2(similarity[1, 0], similarity[0, 0])))
 
 
-def turned_views(truth: Truth, pictures: Sequence[NDArray[np.uint8]], degrees: float) -> Iterator[Turned]:
+def turned_pairs(truth: Truth, pictures: Sequence[NDArray[np.uint8]], degrees: float) -> Iterator[Turned]:
+    """The pairs of `PAIRS`, the second camera's picture at ``degrees`` to the first's."""
     for a, b in PAIRS:
-        field_a, field_b = (truth.poses[0].field_points_px[camera] for camera in (a, b))
+        points = truth.poses[0].field_points_px
+        field_a, field_b = points[a], points[b]
         size = truth.size
         middle = ((size[0] - 1) / 2, (size[1] - 1) / 2)
         # OpenCV's angle runs against the picture's: y points down.
@@ -115,30 +139,33 @@ def turned_views(truth: Truth, pictures: Sequence[NDArray[np.uint8]], degrees: f
         )  # fmt: skip
 
 
-def judge(offer: Offer, views: Turned) -> Judged:
+def judge(offer: Offer, turned: Turned) -> Judged:
+    """One matcher on one pair, against the true places of the field's points."""
     matcher = offer.checked
     began = time.process_time()
-    a, b = matcher.features(views.a), matcher.features(views.b, views.mask)
+    a, b = matcher.features(turned.a), matcher.features(turned.b, turned.mask)
     between = time.process_time()
     pairs = matcher.match(a, b)
     ended = time.process_time()
-    at, found = (f.points[pairs[:, i]].astype(np.float64) for i, f in ((0, a), (1, b)))
-    truly = LinearNDInterpolator(views.field_a, views.field_b)(at)  # NaN outside of the field's outline
+    at = a.points[pairs[:, 0]].astype(np.float64)
+    found = b.points[pairs[:, 1]].astype(np.float64)
+    truly = LinearNDInterpolator(turned.field_a, turned.field_b)(at)  # NaN outside of the field's outline
     inside = ~np.isnan(truly[:, 0])
     at, found, truly = at[inside], found[inside], truly[inside]
     close = np.hypot(*(found - truly).T) < CLOSE_PX
-    best, _ = cv2.findHomography(views.field_a, views.field_b, 0)
+    best, _ = cv2.findHomography(turned.field_a, turned.field_b, 0)
     error = np.inf
     if len(at) >= 8:
         made, _ = cv2.findHomography(at, found, cv2.USAC_MAGSAC, 2 * CLOSE_PX, maxIters=20000, confidence=0.9999)
         if made is not None:
-            error = rms_over_field(made, views) / rms_over_field(best, views)
+            error = rms_over_field(made, turned) / rms_over_field(best, turned)
     share = float(close.mean()) if len(close) else 0.0
     return Judged(len(at), share, error, (between - began) / 2, ended - between)
 
 
-def rms_over_field(homography: object, views: Turned) -> float:
-    apart = transform_points(np.asarray(homography, np.float64), views.field_a) - views.field_b
+def rms_over_field(homography: object, turned: Turned) -> float:
+    """Distance in pixels of the field's points, carried by a homography, from where they lie."""
+    apart = transform_points(np.asarray(homography, np.float64), turned.field_a) - turned.field_b
     return float(np.sqrt(np.square(apart).sum(axis=1).mean()))
 
 
@@ -192,9 +219,9 @@ def main() -> None:
     for scene in SCENES:
         truth, pictures = recording(folder, scene)
         for turn in TURNS:
-            for views in turned_views(truth, pictures, turn):
+            for pair in turned_pairs(truth, pictures, turn):
                 for offer in offers:
-                    found[offer.name][turn].append(judge(offer, views))
+                    found[offer.name][turn].append(judge(offer, pair))
                     print(scene, turn, offer.name, found[offer.name][turn][-1], flush=True)
     (RESULTS / "matchers.md").write_text(markdown(found), "utf-8")
 

@@ -22,10 +22,9 @@ from pathlib import Path
 
 import numpy as np
 
-from mcsl_core import edl as edls
-from mcsl_core.blender import installation as blenders
 from mcsl_core.blender.child import search_paths
-from mcsl_core.edl import IDENTITY, Camera, Edl, Media, Override, Pose, Shot
+from mcsl_core.blender.installation import find
+from mcsl_core.edl import IDENTITY, Camera, Edl, Media, Override, Pose, Shot, save
 from mcsl_core.media.writing import Encoding, VideoWriter
 from mcsl_core.timing import FrameRange
 
@@ -40,7 +39,7 @@ request = json.load(open(sys.argv[-1]))
 sys.path.extend(request["paths"])
 import bpy
 from pathlib import Path
-from mcsl_core import edl as edls
+from mcsl_core.edl import load
 from blender_addon.core.multicam import overridden
 from blender_addon.core.read_overrides import read_edl
 from blender_addon.core.strip_plan import make_plan
@@ -66,24 +65,24 @@ def bare():
         for n, (start, stop) in enumerate(request["shots"]):
             new_effect(scene, f"shot {n}", "MULTICAM", 7, start, stop)
     _, *make_s = timed(make)
-    def look():
+    def inspect():
         return [(*ends(s), s.channel, s.multicam_source) for s in scene.sequence_editor.strips]
-    _, *look_s = timed(look)
-    return make_s, look_s
+    _, *inspect_s = timed(inspect)
+    return make_s, inspect_s
 
 path = Path(request["edl"])
 rounds = []
 for _ in range(request["rounds"]):
-    make_s, look_s = bare()
+    make_s, inspect_s = bare()
     scene = fresh()
-    edl, *load_s = timed(lambda: edls.load(path))
+    edl, *load_s = timed(lambda: load(path))
     plan, *plan_s = timed(lambda: make_plan(edl))
     _, *strips_s = timed(lambda: build_timeline(scene, plan, path.parent))
     state, *found_s = timed(lambda: read_timeline(scene))
     new, *read_s = timed(lambda: read_edl(edl, state))
     assert new == edl, "an untouched timeline must decide nothing"
     _, *colour_s = timed(lambda: overridden(new, state.strips))
-    rounds.append({"bare": make_s, "look": look_s, "load": load_s, "plan": plan_s, "strips": strips_s,
+    rounds.append({"bare": make_s, "inspect": inspect_s, "load": load_s, "plan": plan_s, "strips": strips_s,
                    "found": found_s, "decide": read_s, "colour": colour_s})
 json.dump({"version": bpy.app.version_string, "rounds": rounds, "strips": len(scene.sequence_editor.strips)},
           open(request["answer"], "w"))
@@ -140,9 +139,10 @@ def long_day(name: str) -> Edl:
 def run(command: list[str], folder: Path, edl: Edl, rounds: int) -> dict:
     """The times of each round, as the Blender inside took them."""
     path = folder / "edl.json"
-    edls.save(edl, path)
+    save(edl, path)
     with tempfile.TemporaryDirectory() as name:
-        order, answer, script = (Path(name) / n for n in ("order.json", "answer.json", "inside.py"))
+        work = Path(name)
+        order, answer, script = work / "order.json", work / "answer.json", work / "inside.py"
         script.write_text(INSIDE, encoding="utf-8")
         request = {"edl": str(path), "paths": search_paths(), "rounds": rounds, "answer": str(answer)}
         order.write_text(json.dumps({**request, "shots": [[s.range.start, s.range.stop] for s in edl.shots]}))
@@ -166,11 +166,11 @@ def table(found: dict) -> str:
         ("  of it: planning", best["plan"], "bare", ""),
         ("  of it: strips, keys, five movies split at the poses", best["strips"], "bare", ""),
         (f"yardstick: {SHOTS:,} bare Multicam strips", best["bare"], "bare", ""),
-        ("**read back**: EDL read, strips found, decided", summed["read"], "look", f"{REACH['read']:g} s"),
-        ("  of it: finding strips and transforms", best["found"], "look", ""),
-        ("  of it: what was decided", best["decide"], "look", ""),
-        ("colours of the overrides, after a change", best["colour"], "look", ""),
-        ("yardstick: ends, channel and source of each strip", best["look"], "look", ""),
+        ("**read back**: EDL read, strips found, decided", summed["read"], "inspect", f"{REACH['read']:g} s"),
+        ("  of it: finding strips and transforms", best["found"], "inspect", ""),
+        ("  of it: what was decided", best["decide"], "inspect", ""),
+        ("colours of the overrides, after a change", best["colour"], "inspect", ""),
+        ("yardstick: ends, channel and source of each strip", best["inspect"], "inspect", ""),
     ]
     lines = ["| what | CPU s | clock s | times the yardstick | to reach |", "|---|---|---|---|---|"]
     for name, (cpu, clock), yardstick, reach in rows:
@@ -181,7 +181,7 @@ def table(found: dict) -> str:
 def main() -> None:
     folder = Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
-    desk = blenders.find(sys.argv[2] if len(sys.argv) > 2 else None)
+    desk = find(sys.argv[2] if len(sys.argv) > 2 else None)
     if desk.kind != "module":
         raise SystemExit("name a Python with bpy: a Blender binary takes its script another way")
     edl = long_day(media(folder).name)

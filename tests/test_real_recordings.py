@@ -30,7 +30,7 @@ BOARD_SIZE = (1280, 720)
 
 
 def published_corners(folder: Path) -> dict[int, dict[int, dict[int, tuple[float, float]]]]:
-    """frame -> camera -> corner -> (x, y). The table's first moment is the files' first frame."""
+    """frame -> camera -> corner -> (x, y). The table's first index is the files' first frame."""
     table: dict = defaultdict(lambda: defaultdict(dict))
     with (folder / "xy.csv").open() as stream:
         rows = list(csv.DictReader(stream))
@@ -43,7 +43,7 @@ def published_corners(folder: Path) -> dict[int, dict[int, dict[int, tuple[float
 
 @pytest.mark.slow
 def test_homographies_of_one_board_agree_with_its_published_corners(shared_data: Path) -> None:
-    """At every moment the board is one plane; views that can be tied must carry its corners to within 3 px (median).
+    """In every frame the board is one plane; cameras that are tied in carry its corners to within 3 px (median).
 
     Only the board counts as the surgical field: points are looked for inside its outline, enlarged by a third. Views
     from the side or from behind share no face of it; those must be left out rather than guessed.

@@ -16,9 +16,9 @@ from mcsl_core.centering.gaze import read_gaze
 from mcsl_core.centering.positions import field_positions, gaze_positions
 from mcsl_core.edl.edits import carry_over
 from mcsl_core.errors import UsageError
-from mcsl_core.hooks.guards import Watch
 from mcsl_core.hooks.registry import Offer, Plugins
 from mcsl_core.hooks.stages import STAGES
+from mcsl_core.hooks.watch import Watch
 from mcsl_core.occlusion.scoring import score_views, scoring_segments
 from mcsl_core.progress import Progress
 from mcsl_core.recording.cameras import choose_reference, open_cameras, programme_length

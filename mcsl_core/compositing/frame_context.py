@@ -1,12 +1,13 @@
-"""One programme frame as a filler sees it; looks at other cameras cost something only when they are asked for."""
+"""One programme frame as a filler gets it; other cameras' pictures cost something only when they are asked for."""
 
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
+from functools import cached_property
 
 import cv2
 import numpy as np
-from attrs import field, frozen
+from attrs import frozen
 from numpy.typing import NDArray
 
 from mcsl_core.alignment.colour_match import apply_colour
@@ -22,7 +23,27 @@ _GRID = 4.0  # while the centering moves, footprints are worked out anew every s
 
 @frozen(eq=False)
 class FrameContext:
-    """See `filling.View`."""
+    """The compositor's `FillContext`; what its members mean stands there.
+
+    Attributes
+    ----------
+    warper : CameraWarper
+        Warps the cameras' pictures.
+    frame : int
+        The programme frame.
+    camera : str
+        The chosen camera.
+    pose_index : int
+        Index of the frame's pose in the EDL.
+    offset : (float, float)
+        The centering's, in programme pixels.
+    colour : bool
+        Whether the cameras' colours are matched.
+    steady : bool
+        Whether the centering stands still, so that the same warp will be asked for again.
+    previous : Planes, optional
+        The finished programme frame before.
+    """
 
     warper: CameraWarper
     frame: int
@@ -30,16 +51,17 @@ class FrameContext:
     pose_index: int
     offset: Offset
     colour: bool
-    steady: bool  # the centering stands still
-    previous: Planes | None = field(default=None)
-    _front: list[Planes] = field(factory=list, init=False)
+    steady: bool
+    previous: Planes | None = None
 
     @property
     def front(self) -> Planes:
-        if not self._front:
-            planes = self.picture(self.camera, Rect(0, 0, *self.size))
-            self._front.append(black(self.size) if planes is None else planes)
-        return self._front[0]
+        return self._front
+
+    @cached_property
+    def _front(self) -> Planes:
+        planes = self.picture(self.camera, Rect(0, 0, *self.size))
+        return black(self.size) if planes is None else planes
 
     @property
     def rate(self) -> float:
@@ -63,27 +85,18 @@ class FrameContext:
 
     @property
     def geometry(self) -> Hashable:
-        return self.warper.geometry, self.pose_index, self.camera, self.steady, *self._about()
-
-    def _about(self) -> Offset:
-        if self.steady:
-            return self.offset
-        dx, dy = (round(v / _GRID) * _GRID for v in self.offset)
-        return dx, dy
+        return self.warper.geometry, self.pose_index, self.camera, self.steady, *self._footprint_offset()
 
     def change(self, camera: str, median_of: Sequence[int]) -> NDArray[np.float32]:
         return self.warper.change(self.pose_index, camera, self.offset, self.frame, tuple(median_of))
-
-    def _is_front(self, pose_index: int, camera: str) -> bool:
-        return (pose_index, camera) == (self.pose_index, self.camera)
 
     def footprint(self, camera: str, frame: int | None = None, *, parallax_corrected: bool = False) -> U8:
         pose_index = self.pose_index if frame is None else self.warper.pose_at(frame)
         edge = self._is_front(pose_index, camera)
         mask = self.warper.footprint(
-            pose_index, camera, self._about(), parallax_corrected=parallax_corrected, edge=edge
+            pose_index, camera, self._footprint_offset(), parallax_corrected=parallax_corrected, edge=edge
         )
-        if not self.steady:  # shared by offsets up to half the grid away: seen by all of them
+        if not self.steady:  # shared by offsets up to half the grid away: inside for all of them
             mask = cv2.erode(mask, np.ones((3, 3), np.uint8), borderType=cv2.BORDER_REPLICATE)
         return mask  # pyright: ignore[reportReturnType]
 
@@ -98,19 +111,27 @@ class FrameContext:
     ) -> Planes | None:
         if not median_of:
             planes = self.warper.own_picture(camera, self.frame)
-            return self._laid(camera, rect, planes, self.pose_index, blur_px, parallax_corrected)
+            return self._warped(camera, rect, planes, self.pose_index, blur_px, parallax_corrected)
 
         def make() -> Planes | None:
             pose_index = self.warper.pose_at(median_of[0])
-            planes = self.warper.median(camera, median_of) if self.warper.knows(pose_index, camera) else None
-            return self._laid(camera, rect, planes, pose_index, blur_px, parallax_corrected)
+            planes = self.warper.median(camera, median_of) if self.warper.is_placed(pose_index, camera) else None
+            return self._warped(camera, rect, planes, pose_index, blur_px, parallax_corrected)
 
         if not self.steady:
             return make()
         key = camera, rect, tuple(median_of), blur_px, parallax_corrected, self.offset, self.colour
         return self.warper.patches.get(key, make)
 
-    def _laid(
+    def _footprint_offset(self) -> Offset:
+        if self.steady:
+            return self.offset
+        return round(self.offset[0] / _GRID) * _GRID, round(self.offset[1] / _GRID) * _GRID
+
+    def _is_front(self, pose_index: int, camera: str) -> bool:
+        return (pose_index, camera) == (self.pose_index, self.camera)
+
+    def _warped(
         self, camera: str, rect: Rect, planes: Planes | None, pose_index: int, blur_px: float, parallax_corrected: bool
     ) -> Planes | None:
         if planes is None:

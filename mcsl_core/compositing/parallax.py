@@ -1,4 +1,4 @@
-"""Residual parallax: how far beside its place each camera shows what does not lie on the plane it is aligned by.
+"""Residual parallax: how far off each camera shows what does not lie on the plane it is aligned by.
 
 A homography aligns one plane, the surgical field. Drapes, instruments and towels lie above or below it, and each
 camera sees them from its own side, so that what one camera shows beyond another's edge does not continue it (13 pixels
@@ -6,6 +6,12 @@ at 960 on simulated drapes; plane plus parallax, Irani and Anandan 1996). The pe
 its first pose: dense optical flow (DIS, Kroeger et al. 2016) from its picture to another camera's, both medians without
 whoever moved, says where that camera has what belongs at a pixel. It is kept where the pictures agree, and smoothed
 over 1/96 of the width; beyond their overlap it goes on as near it.
+
+References
+----------
+M. Irani, P. Anandan: Parallax geometry of pairs of points for 3D scene analysis. ECCV 1996.
+T. Kroeger, R. Timofte, D. Dai, L. Van Gool: Fast optical flow using dense inverse search. ECCV 2016.
+H. Knutsson, C.-F. Westin: Normalized and differential convolution. CVPR 1993.
 """
 
 from __future__ import annotations
@@ -27,19 +33,19 @@ from mcsl_core.imaging.geometry import Homography, scaling, translation
 from mcsl_core.imaging.planes import U8
 from mcsl_core.imaging.warp import WarpField
 from mcsl_core.lru_cache import LruCache
-from mcsl_core.recording.footage import Footage
 
+from .picture_source import PictureSource
 from .placement import programme_matrix
 
 _WIDTH = 640  # of the programme as compared; 480 to 960 differ by 0.5 dB
 _MARGIN = 0.25  # of the programme's size, on each side: what centering may bring in
 _SMOOTH = 1 / 96  # sigma, of the programme's width; at 1/24 what is filled is 1 to 2 dB worse
-_FURTHER = ((4, 0.05), (16, 0.0025))  # times that, and weight, of wider surroundings where the near ones say nothing
+_FURTHER = ((4, 0.05), (16, 0.0025))  # times that, and weight, of wider surroundings where the near ones tell nothing
 _MOST = 0.04  # of the compared pictures' width: what flow finds further off is something else
-_MISSED = 5.0  # compared pixels by which the way back may miss
-_LEAST_AGREEMENT = 0.23  # mean; pictures of one scene: 0.27 to 0.7, unrelated ones: to 0.2
-_CONTRAST = 40.0  # what surroundings are levelled to
-_UNLIKE = 0.67 * _CONTRAST  # mean difference after bending; pictures of one scene: 0.28 to 0.64, unrelated: 0.7 on
+_MISSED = 5.0  # compared pixels by which the flow back may miss
+_LEAST_AGREEMENT = 0.23  # mean; pictures of one field: 0.27 to 0.7, unrelated ones: to 0.2
+_CONTRAST = 40.0  # what surroundings are normalised to
+_UNLIKE = 0.67 * _CONTRAST  # mean difference after warping; pictures of one field: 0.28 to 0.64, unrelated: 0.7 on
 _NODE = 4  # compared pixels between nodes
 _LOCAL = 12.0  # sigma of the surroundings whose brightness and contrast are taken out, compared pixels
 _KEPT_BYTES = 5_000_000  # of warp fields, 80 kB each
@@ -48,34 +54,55 @@ Values = NDArray[np.float32]
 
 
 class Parallax:
-    """Which `WarpField` takes a camera's picture into the perspective, by pose; found when first asked. Thread-safe."""
+    """Which `WarpField` takes a camera's picture into the perspective, by pose; found when first asked. Thread-safe.
 
-    def __init__(self, edl: Edl, footage: Footage) -> None:
-        self._edl, self._footage = edl, footage
+    Parameters
+    ----------
+    edl : Edl
+        The programme.
+    pictures : PictureSource
+        Whose medians are compared.
+    """
+
+    def __init__(self, edl: Edl, pictures: PictureSource) -> None:
+        self._edl, self._pictures = edl, pictures
         self._scale = min(1.0, _WIDTH / edl.size[0])
         self._lock = Lock()
         self._fields: LruCache[Mapping[str, WarpField | None]] = LruCache(_KEPT_BYTES)
 
     def of(self, pose_index: int, camera: str) -> WarpField | None:
-        """For the picture of ``camera`` in that pose; None where it lies right, or nothing says how it lies."""
+        """The warp field of a camera's picture in a pose.
+
+        Parameters
+        ----------
+        pose_index : int
+            Index of the pose in the EDL.
+        camera : str
+            The camera's name.
+
+        Returns
+        -------
+        WarpField or None
+            None where the picture lies right already, or the pictures do not agree on how it lies.
+        """
         with self._lock:  # one pose at a time: others would wait for the same pictures
             return self._fields.get(pose_index, lambda: self._of_pose(pose_index)).get(camera)
 
     def _of_pose(self, pose_index: int) -> Mapping[str, WarpField | None]:
-        """Of all cameras whose place is known, side by side: whoever asks for one asks for most."""
+        """Of all cameras whose position is known, in parallel: whoever asks for one asks for most."""
         pose = self._edl.poses[pose_index]
         names = [
             camera.name for camera in self._edl.cameras if placement_matrix(self._edl, pose, camera.name) is not None
         ]
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            found = list(pool.map(lambda name: self._found(pose_index, name), names))
+            found = list(pool.map(lambda name: self._warp_field(pose_index, name), names))
         return dict(zip(names, found, strict=True))
 
-    def _found(self, pose_index: int, camera: str) -> WarpField | None:
+    def _warp_field(self, pose_index: int, camera: str) -> WarpField | None:
         base = first_of_perspective(self._edl, pose_index)
         if (base, self._edl.reference) == (pose_index, camera):
             return None
-        guide, picture = self._seen(base, self._edl.reference), self._seen(pose_index, camera)
+        guide, picture = self._on_canvas(base, self._edl.reference), self._on_canvas(pose_index, camera)
         if guide is None or picture is None:
             return None
         flow = residual_parallax(*guide, *picture, _SMOOTH * self._scale * self._edl.size[0])
@@ -85,12 +112,12 @@ class Parallax:
         width, height = self._edl.size
         return WarpField(nodes, (-_MARGIN * width, -_MARGIN * height), _NODE / self._scale)
 
-    def _seen(self, pose_index: int, camera: str) -> tuple[U8, U8] | None:
-        """Luma of what stays in view near the start of a pose, reduced, and 255 where the camera looks."""
+    def _on_canvas(self, pose_index: int, camera: str) -> tuple[U8, U8] | None:
+        """Luma of a camera's median near the start of a pose, warped to the canvas, and 255 inside its picture."""
         edl = self._edl
         pose = edl.poses[pose_index]
         still = still_range(edl, pose)
-        planes = self._footage.median(camera, first_grid_frames(still, grid_step(still, float(edl.rate))), still)
+        planes = self._pictures.median(camera, first_grid_frames(still, grid_step(still, float(edl.rate))), still)
         if planes is None:
             return None
         luma = planes.y
@@ -99,72 +126,89 @@ class Parallax:
             size = (max(2, round(luma.shape[1] * self._scale)), max(2, round(luma.shape[0] * self._scale)))
             to_canvas = to_canvas @ scaling(size, (luma.shape[1], luma.shape[0]))
             luma = np.asarray(cv2.resize(luma, size, interpolation=cv2.INTER_AREA), np.uint8)
-        size = tuple(round(v * self._scale * (1 + 2 * _MARGIN)) for v in edl.size)
-        seen = cv2.warpPerspective(np.full_like(luma, 255), to_canvas, size, flags=cv2.INTER_NEAREST)
-        return np.asarray(cv2.warpPerspective(luma, to_canvas, size), np.uint8), np.asarray(seen, np.uint8)
+        wide = self._scale * (1 + 2 * _MARGIN)
+        size = (round(edl.size[0] * wide), round(edl.size[1] * wide))
+        inside = cv2.warpPerspective(np.full_like(luma, 255), to_canvas, size, flags=cv2.INTER_NEAREST)
+        return np.asarray(cv2.warpPerspective(luma, to_canvas, size), np.uint8), np.asarray(inside, np.uint8)
 
     def _canvas(self) -> Homography:
-        """Programme pixel -> pixel of the pictures compared."""
+        """Programme pixel -> pixel of the pictures compared, which reach beyond the programme."""
         width, height = self._edl.size
         return np.diag([self._scale, self._scale, 1.0]) @ translation(_MARGIN * width, _MARGIN * height)
 
 
-def residual_parallax(guide: U8, guide_seen: U8, picture: U8, picture_seen: U8, sigma_px: float) -> Values | None:
-    """(h, w, 2): where ``picture`` has what ``guide`` has at a pixel, as a way from it; None if that is no better.
+def residual_parallax(guide: U8, guide_mask: U8, picture: U8, picture_mask: U8, sigma_px: float) -> Values | None:
+    """Where one picture has what another has at a pixel: dense flow checked forward and backward, then smoothed.
 
-    Both are (h, w) luma in one coordinate system, 0 in the masks where they see nothing. Brightness and contrast may
-    differ. sigma_px: how smooth, in pixels; where both see too little the way is that of wider surroundings.
+    Parameters
+    ----------
+    guide, picture : (h, w) uint8
+        Luma in one coordinate system; brightness and contrast may differ.
+    guide_mask, picture_mask : (h, w) uint8
+        0 outside the pictures.
+    sigma_px : float
+        How smooth, in pixels. Where the pictures agree too little the flow is that of wider surroundings.
+
+    Returns
+    -------
+    (h, w, 2) float32 or None
+        From a pixel of ``guide`` to the same thing in ``picture``, in pixels; None where the pictures overlap too
+        little or the flow makes them no more alike.
+
+    Notes
+    -----
+    Smoothing is normalised convolution (Knutsson and Westin 1993), weighted by how far a pixel's flow is to be trusted.
     """
-    shared = cv2.min(guide_seen, picture_seen)
+    shared = cv2.min(guide_mask, picture_mask)
     both = np.asarray(cv2.erode(shared, np.ones((9, 9), np.uint8), borderType=cv2.BORDER_CONSTANT), np.uint8)
     if np.count_nonzero(both) < 32 * 32:
         return None
-    a, b = (_levelled(luma, seen) for luma, seen in ((guide, guide_seen), (picture, picture_seen)))
-    there, back = _flow(a, b, both, finest=0), _flow(b, a, both, finest=1)
-    weight = _agreement(a, b, both, there, back)
+    a, b = _normalised(guide, guide_mask), _normalised(picture, picture_mask)
+    forward, backward = _flow(a, b, both, finest=0), _flow(b, a, both, finest=1)
+    weight = _agreement(a, b, both, forward, backward)
     if weight[both > 0].mean() < _LEAST_AGREEMENT:
         return None
-    smooth = _smoothed(there, np.square(weight), sigma_px)  # where somebody stood, what lies around decides
-    before, after = (_difference(a, b, both, way) for way in (None, smooth))
-    return smooth if after < min(before, _UNLIKE) else None
+    smooth = _smoothed(forward, np.square(weight), sigma_px)  # where somebody stood, what lies around decides
+    return smooth if _difference(a, b, both, smooth) < min(_difference(a, b, both, None), _UNLIKE) else None
 
 
 def _flow(a: U8, b: U8, both: U8, finest: int) -> Values:
     """(h, w, 2) by DIS, its patches larger than the preset's: those lose a tube 20 pixels away on plain cloth."""
     dis = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
-    dis.setFinestScale(finest)  # 0 gains 1.6 dB where little is to be seen, for 0.4 s; a check needs no more than 1
+    dis.setFinestScale(finest)  # 0 gains 1.6 dB where little is to be seen, for 0.4 s; a check is content with 1
     dis.setPatchSize(12)
     dis.setPatchStride(4)
     return dis.calc(a, np.where(both > 0, b, a), None)  # pyright: ignore
 
 
-def _levelled(luma: U8, seen: U8) -> U8:
-    """Surroundings' brightness and contrast taken out."""
-    inside: Values = seen.astype(np.float32) / np.float32(255)
+def _normalised(luma: U8, mask: U8) -> U8:
+    """Local brightness and contrast taken out."""
+    inside: Values = mask.astype(np.float32) / np.float32(255)
     share: Values = _blurred(inside, _LOCAL) + np.float32(1e-6)
     above = luma.astype(np.float32) - _blurred(luma * inside, _LOCAL) / share
     spread: Values = np.sqrt(_blurred(np.square(above) * inside, _LOCAL) / share + 16)
-    return np.where(seen > 0, np.clip(128 + _CONTRAST * above / spread, 0, 255), 128).astype(np.uint8)
+    return np.where(mask > 0, np.clip(128 + _CONTRAST * above / spread, 0, 255), 128).astype(np.uint8)
 
 
-def _agreement(a: U8, b: U8, both: U8, there: Values, back: Values) -> Values:
-    """0..1: how much a pixel's flow is to be trusted: something is to be seen, it fits, and it leads there and back."""
+def _agreement(a: U8, b: U8, both: U8, forward: Values, backward: Values) -> Values:
+    """0..1: how far a pixel's flow is to be trusted: there is texture, it fits, and it leads there and back."""
     texture = cv2.blur(cv2.magnitude(cv2.Sobel(a, cv2.CV_32F, 1, 0), cv2.Sobel(a, cv2.CV_32F, 0, 1)), (9, 9))
-    found, inside = _along(b, there), (both > 0) & (_along(both, there, cv2.INTER_NEAREST) > 0)
+    found, inside = _sampled(b, forward), (both > 0) & (_sampled(both, forward, cv2.INTER_NEAREST) > 0)
     error = cv2.blur(cv2.absdiff(a, found).astype(np.float32), (9, 9))
-    missed = np.square(there + _along(back, there)).sum(axis=2)
-    near = np.square(there).sum(axis=2) < (_MOST * a.shape[1]) ** 2
+    missed = np.square(forward + _sampled(backward, forward)).sum(axis=2)
+    near = np.square(forward).sum(axis=2) < (_MOST * a.shape[1]) ** 2
     fits = np.minimum(texture / 20, 1) * np.exp(-((error / 20) ** 2) - missed / _MISSED**2)
     return np.asarray(inside * near * fits, np.float32)
 
 
-def _along(picture: NDArray[Any], way: Values, flags: int = cv2.INTER_LINEAR) -> NDArray[Any]:
+def _sampled(picture: NDArray[Any], flow: Values, flags: int = cv2.INTER_LINEAR) -> NDArray[Any]:
+    """``picture`` at the end of each pixel's flow."""
     y, x = np.mgrid[0 : picture.shape[0], 0 : picture.shape[1]].astype(np.float32)
-    return cv2.remap(picture, x + way[..., 0], y + way[..., 1], flags)  # pyright: ignore[reportReturnType]
+    return cv2.remap(picture, x + flow[..., 0], y + flow[..., 1], flags)  # pyright: ignore[reportReturnType]
 
 
-def _difference(a: U8, b: U8, both: U8, way: Values | None) -> float:
-    found = b if way is None else _along(b, way)
+def _difference(a: U8, b: U8, both: U8, flow: Values | None) -> float:
+    found = b if flow is None else _sampled(b, flow)
     return float(cv2.absdiff(a, found)[both > 0].mean())
 
 

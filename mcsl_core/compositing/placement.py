@@ -13,8 +13,26 @@ from mcsl_core.imaging.geometry import Homography, translation
 
 
 def programme_matrix(edl: Edl, pose: Pose, camera: str, offset: tuple[float, float] = (0.0, 0.0)) -> Homography:
-    """Camera pixel -> programme pixel in ``pose``, shifted by the centering ``offset`` in programme pixels.
+    """Where a camera's picture lies in the programme.
 
+    Parameters
+    ----------
+    edl : Edl
+        The programme.
+    pose : Pose
+        One of its poses.
+    camera : str
+        The camera's name.
+    offset : (float, float)
+        The centering's, in programme pixels.
+
+    Returns
+    -------
+    (3, 3) float64
+        Camera pixel -> programme pixel.
+
+    Notes
+    -----
     A camera that the pose has no homography for (a weak one an editor chose) fills the frame as it is: where its
     picture lies is not known, so neither the anchor nor the centering means anything for it.
     """
@@ -26,16 +44,33 @@ def programme_matrix(edl: Edl, pose: Pose, camera: str, offset: tuple[float, flo
 
 
 def fully_covered(edl: Edl, pose: Pose, offsets: Sequence[tuple[float, float]]) -> bool:
-    """Whether some camera of ``pose`` sees every programme pixel, under all ``offsets`` and what lies between them."""
+    """Whether the cameras of a pose cover every programme pixel together.
+
+    Parameters
+    ----------
+    edl : Edl
+        The programme.
+    pose : Pose
+        One of its poses.
+    offsets : sequence of (float, float)
+        The centering's, in programme pixels: under all of them and what lies between.
+
+    Returns
+    -------
+    bool
+        As found on a grid of every eighth pixel, whose edge cells do not count.
+    """
     scale = 1 / 8
-    (left, right), (top, bottom) = ((min(v), max(v)) for v in zip(*offsets, strict=True))
-    size = tuple(int((v + b - a) * scale) + 2 for v, a, b in zip(edl.size, (left, top), (right, bottom), strict=True))
+    shifts_x, shifts_y = zip(*offsets, strict=True)
+    left, top = min(shifts_x), min(shifts_y)
+    right, bottom = max(shifts_x), max(shifts_y)
+    size = (int((edl.size[0] + right - left) * scale) + 2, int((edl.size[1] + bottom - top) * scale) + 2)
     to_grid = np.diag([scale, scale, 1.0]) @ translation(right, bottom)
-    seen = np.zeros(size[::-1], np.uint8)
+    covered = np.zeros(size[::-1], np.uint8)
     for camera in edl.cameras:
         if placement_matrix(edl, pose, camera.name) is not None:
             ones = np.full((camera.size[1] // 8, camera.size[0] // 8), 255, np.uint8)
             matrix = to_grid @ programme_matrix(edl, pose, camera.name) @ np.diag([8.0, 8.0, 1.0])
             mask = cv2.warpPerspective(ones, matrix, size, flags=cv2.INTER_NEAREST)
-            seen |= np.asarray(cv2.erode(mask, np.ones((3, 3), np.uint8), borderType=cv2.BORDER_REPLICATE), np.uint8)
-    return bool(seen.all())
+            covered |= np.asarray(cv2.erode(mask, np.ones((3, 3), np.uint8), borderType=cv2.BORDER_REPLICATE), np.uint8)
+    return bool(covered.all())

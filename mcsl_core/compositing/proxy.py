@@ -1,7 +1,8 @@
-"""A programme at a smaller size, made at that size: for what needs many pictures of it but not every pixel."""
+"""Proxies: a programme at a smaller size, made at that size, for what needs many pictures of it but not every pixel."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import attrs
@@ -14,19 +15,45 @@ from mcsl_core.hooks.registry import filler_offer
 from mcsl_core.imaging.geometry import scaling, to_edl_matrix
 from mcsl_core.imaging.planes import Planes
 from mcsl_core.recording.footage import Footage, Player
+from mcsl_core.timing import FrameRange
 
 
-def reduced_size(size: tuple[int, int], width: int) -> tuple[int, int]:
-    """``size`` at ``width`` columns, aspect kept, both even, never enlarged."""
+def proxy_size(size: tuple[int, int], width: int) -> tuple[int, int]:
+    """The size of a proxy.
+
+    Parameters
+    ----------
+    size : (int, int)
+        Width and height of the original.
+    width : int
+        Columns wanted.
+
+    Returns
+    -------
+    (int, int)
+        Width and height, both even, aspect kept; never enlarged.
+    """
     factor = min(1.0, width / size[0])
-    x, y = (max(2, 2 * round(v * factor / 2)) for v in size)
-    return x, y
+    return max(2, 2 * round(size[0] * factor / 2)), max(2, 2 * round(size[1] * factor / 2))
 
 
-def reduced(edl: Edl, size: tuple[int, int]) -> Edl:
-    """The same programme at ``size``, its cameras reduced as much, so that pictures of it are made at that size."""
+def proxy_edl(edl: Edl, size: tuple[int, int]) -> Edl:
+    """The same programme at another size, its cameras reduced as much, so that pictures of it are made at that size.
+
+    Parameters
+    ----------
+    edl : Edl
+        The programme.
+    size : (int, int)
+        Width and height; see `proxy_size`.
+
+    Returns
+    -------
+    Edl
+        Of the same shots; poses, corrections, overrides and centering act on the smaller pictures.
+    """
     factor = size[0] / edl.size[0]
-    cameras = tuple(attrs.evolve(c, size=reduced_size(c.size, round(c.size[0] * factor))) for c in edl.cameras)
+    cameras = tuple(attrs.evolve(c, size=proxy_size(c.size, round(c.size[0] * factor))) for c in edl.cameras)
     shrink = {c.name: scaling(c.size, r.size) for c, r in zip(edl.cameras, cameras, strict=True)}
     ground, programme = shrink[edl.reference], scaling(edl.size, size)
 
@@ -61,28 +88,65 @@ def reduced(edl: Edl, size: tuple[int, int]) -> Edl:
     )
 
 
-def reduced_filler(edl: Edl, size: tuple[int, int]) -> Filler:
-    """The EDL's filler for pictures of ``size``: a new one, since a filler may keep what it worked out."""
+def proxy_filler(edl: Edl, size: tuple[int, int]) -> Filler:
+    """The filler that an EDL was made with, for its proxy; a new one, since a filler may keep what it worked out.
+
+    Parameters
+    ----------
+    edl : Edl
+        The programme at its full size.
+    size : (int, int)
+        Width and height of the proxy.
+
+    Returns
+    -------
+    Filler
+
+    Raises
+    ------
+    PluginError
+        Names the package to install where the filler is not here.
+    """
     offer = filler_offer(edl)
     if isinstance(offer.implementation, FootprintFiller):
         return FootprintFiller(offer.implementation.feather_px * size[0] / edl.size[0])
     return offer.checked
 
 
-class SharedFootage(Footage):
-    """Reduced pictures of which every camera is decoded once, whoever asks: all go through the same frames together."""
+class ProxyFootage:
+    """A `PictureSource` of proxies, of which every camera is decoded once, whoever asks: all read the same frames.
+
+    Parameters
+    ----------
+    edl : Edl
+        The programme at its full size.
+    base : Path
+        The folder that media paths are relative to.
+    size : (int, int)
+        Width and height of the proxy programme; see `proxy_size`.
+
+    Attributes
+    ----------
+    footage : Footage
+        The proxies' own footage, each call of which opens decoders of its own.
+    """
 
     def __init__(self, edl: Edl, base: Path, size: tuple[int, int]) -> None:
-        small = reduced(edl, size)
-        super().__init__(small.cameras, rate=edl.rate, frames=edl.frames, base=base)
+        self.footage = Footage(proxy_edl(edl, size).cameras, rate=edl.rate, frames=edl.frames, base=base)
         self._players: dict[str, _SharedPlayer] = {}
 
-    def player(self, camera: str) -> _SharedPlayer:  # pyright: ignore[reportIncompatibleMethodOverride]
+    def player(self, camera: str) -> _SharedPlayer:
+        """The pictures of ``camera``, the same player for all."""
         if camera not in self._players:
-            self._players[camera] = _SharedPlayer(super().player(camera))
+            self._players[camera] = _SharedPlayer(self.footage.player(camera))
         return self._players[camera]
 
+    def median(self, camera: str, frames: Sequence[int], within: FrameRange) -> Planes | None:
+        """See `PictureSource`."""
+        return self.footage.median(camera, frames, within)
+
     def close(self) -> None:
+        """Close the decoders."""
         for player in self._players.values():
             player.end()
 
@@ -95,7 +159,7 @@ class _SharedPlayer:
         return self._player.at(frame)
 
     def close(self) -> None:
-        """A compositor has done with it; the others have not."""
+        """A compositor is done with it; the others are not."""
 
     def end(self) -> None:
         self._player.close()

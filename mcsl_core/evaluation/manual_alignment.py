@@ -1,4 +1,4 @@
-"""Alignment by hand, the yardstick that ours is held against: what a person with an editing program can set.
+"""Manual alignment, the yardstick that mcsl's is held against: what a person with an editing program can set.
 
 A similarity (move, turn, scale) is all that a strip transform offers; it is fitted to point pairs, or taken from
 the numbers an editor set in Blender. Matrices map camera pixel to programme pixel, full size, centres at integers.
@@ -6,10 +6,10 @@ the numbers an editor set in Blender. Matrices map camera pixel to programme pix
 
 from __future__ import annotations
 
-import cmath
 import csv
 import io
 from collections.abc import Mapping, Sequence
+from math import cos, sin
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +28,70 @@ from mcsl_core.imaging.geometry import to_edl_matrix
 FITS = ("similarity", "homography")
 COLUMNS = ("pose", "camera", "x", "y", "programme_x", "programme_y")
 
+_ONE_POINT = "the points lie in one place on one side"
+
 ByHand = Mapping[int, Mapping[str, Matrix]]  # pose index -> camera -> camera pixel to programme pixel
+
+
+def similarity_from_points(source: ArrayLike, target: ArrayLike) -> Matrix:
+    """The similarity (move, turn, scale) that brings points nearest to others, by least squares.
+
+    Parameters
+    ----------
+    source, target : (N, 2) array_like
+        Point pairs (x, y), N >= 2.
+
+    Returns
+    -------
+    Matrix
+        source -> target.
+
+    Raises
+    ------
+    ValueError
+        Where the points fix none: too few, or all at one point.
+
+    References
+    ----------
+    S. Umeyama: Least-squares estimation of transformation parameters between two point patterns. PAMI 13(4), 1991;
+    in the plane, without reflection.
+    """
+    a, b = _points(source, target, 2)
+    from_middle, to_middle = a - a.mean(axis=0), b - b.mean(axis=0)
+    spread = np.square(from_middle).sum()
+    if not spread > 0:
+        raise ValueError(_ONE_POINT)
+    along = (from_middle * to_middle).sum() / spread  # scale times the cosine of the turn, then its sine
+    across = (from_middle[:, 0] * to_middle[:, 1] - from_middle[:, 1] * to_middle[:, 0]).sum() / spread
+    if np.hypot(along, across) < 1e-9:
+        raise ValueError(_ONE_POINT)
+    linear = np.array([[along, -across], [across, along]])
+    return _affine(linear, b.mean(axis=0) - linear @ a.mean(axis=0))
+
+
+def homography_from_points(source: ArrayLike, target: ArrayLike) -> Matrix:
+    """The homography that brings points nearest to others, by least squares.
+
+    Parameters
+    ----------
+    source, target : (N, 2) array_like
+        Point pairs (x, y), N >= 4.
+
+    Returns
+    -------
+    Matrix
+        source -> target.
+
+    Raises
+    ------
+    ValueError
+        Where the points fix none: too few, or all on a line.
+    """
+    a, b = _points(source, target, 4)
+    found, _ = cv2.findHomography(a, b, 0)
+    if found is None or abs(np.linalg.det(found)) < 1e-12 or abs(found[2, 2]) < 1e-12:
+        raise ValueError("the points lie on a line")
+    return to_edl_matrix(np.asarray(found, np.float64))
 
 
 def _points(source: ArrayLike, target: ArrayLike, least: int) -> tuple[NDArray, NDArray]:
@@ -40,38 +103,26 @@ def _points(source: ArrayLike, target: ArrayLike, least: int) -> tuple[NDArray, 
     return a, b
 
 
-def similarity_from_points(source: ArrayLike, target: ArrayLike) -> Matrix:
-    """The similarity with the least squared distance between moved ``source`` (N, 2) and ``target`` (N, 2), N >= 2.
-
-    ValueError where the points fix none: too few, or all in one place.
-    """
-    a, b = _points(source, target, 2)
-    z, q = a @ [1, 1j], b @ [1, 1j]
-    spread = np.sum(np.abs(z - z.mean()) ** 2)
-    turn = np.sum((z - z.mean()).conj() * (q - q.mean())) / spread if spread > 0 else 0j
-    if abs(turn) < 1e-9:
-        raise ValueError("the points lie in one place on one side")
-    return _similarity(complex(turn), complex(q.mean() - turn * z.mean()))
-
-
-def _similarity(turn: complex, shift: complex) -> Matrix:
-    """x + iy -> turn * (x + iy) + shift."""
-    return ((turn.real, -turn.imag, shift.real), (turn.imag, turn.real, shift.imag), (0.0, 0.0, 1.0))
-
-
-def homography_from_points(source: ArrayLike, target: ArrayLike) -> Matrix:
-    """The homography that brings ``source`` (N, 2) nearest to ``target`` (N, 2), N >= 4; ValueError without one."""
-    a, b = _points(source, target, 4)
-    found, _ = cv2.findHomography(a, b, 0)
-    if found is None or abs(np.linalg.det(found)) < 1e-12 or abs(found[2, 2]) < 1e-12:
-        raise ValueError("the points lie on a line")
-    return to_edl_matrix(found)
+def _affine(linear: NDArray[np.float64], shift: NDArray[np.float64]) -> Matrix:
+    """A (2, 2) matrix and the (2,) shift after it."""
+    return to_edl_matrix(np.vstack([np.column_stack([linear, shift]), [0.0, 0.0, 1.0]]))
 
 
 @frozen
 class StripTransform:
-    """A strip's transform as Blender shows it: offset in render pixels (x right, y up), scale about the picture's
-    middle, rotation in radians, counter-clockwise. scale_y: the same as ``scale`` unless given."""
+    """A strip's transform as Blender shows it.
+
+    Parameters
+    ----------
+    offset_x, offset_y : float
+        In render pixels; x to the right, y up.
+    scale : float
+        About the picture's middle; across, and up as well without ``scale_y``.
+    rotation : float
+        In radians, counter-clockwise.
+    scale_y : float, optional
+        Up.
+    """
 
     offset_x: float = 0.0
     offset_y: float = 0.0
@@ -80,17 +131,30 @@ class StripTransform:
     scale_y: float | None = None
 
     def matrix(self, camera_size: tuple[int, int], programme_size: tuple[int, int]) -> Matrix:
-        """Camera pixel -> programme pixel, exactly as Blender places the picture (scaled, turned, then moved)."""
-        turn = cmath.exp(-1j * self.rotation)  # y points down here
-        x, y = turn * self.scale, 1j * turn * (self.scale if self.scale_y is None else self.scale_y)
-        (cx, cy), (px, py) = (((w - 1) / 2, (h - 1) / 2) for w, h in (camera_size, programme_size))
-        shift = complex(px + self.offset_x, py - self.offset_y) - x * cx - y * cy
-        return ((x.real, y.real, shift.real), (x.imag, y.imag, shift.imag), (0.0, 0.0, 1.0))
+        """Camera pixel -> programme pixel, exactly as Blender lays the picture: scaled, turned, then moved.
+
+        Parameters
+        ----------
+        camera_size, programme_size : (int, int)
+            Width and height.
+
+        Returns
+        -------
+        Matrix
+        """
+        turn = np.array(  # y points down here
+            [[cos(self.rotation), sin(self.rotation)], [-sin(self.rotation), cos(self.rotation)]]
+        )
+        linear = turn @ np.diag([self.scale, self.scale if self.scale_y is None else self.scale_y])
+        camera_middle = (np.array(camera_size) - 1) / 2
+        programme_middle = (np.array(programme_size) - 1) / 2
+        offset = np.array([self.offset_x, -self.offset_y])
+        return _affine(linear, programme_middle + offset - linear @ camera_middle)
 
 
 @frozen
 class _Entry:
-    """One camera's alignment in one pose, by its number or by a programme frame in it, or in all poses."""
+    """One camera's alignment in one pose, by its index or by a programme frame in it, or in all poses."""
 
     camera: str
     pose: int | None = None
@@ -115,10 +179,28 @@ class _File:
 
 
 def load_manual(path: Path, edl: Edl, *, fit: str = "similarity") -> ByHand:
-    """Alignments by hand from a JSON or CSV file (docs/evaluation.md), one per pose and camera of ``edl``.
+    """Read alignments by hand from a JSON or CSV file (docs/evaluation.md).
 
-    fit: what point pairs become, "similarity" or "homography". Without a camera's entry, the reference stays as it is;
-    any other camera that is shown must have one: DocumentError names what is missing or wrong.
+    Parameters
+    ----------
+    path : Path
+        The file; by its suffix CSV or else JSON.
+    edl : Edl
+        The programme they are for.
+    fit : {"similarity", "homography"}
+        What point pairs become.
+
+    Returns
+    -------
+    mapping of int to mapping of str to Matrix
+        pose index -> camera -> camera pixel to programme pixel. What is said of one pose wins over what is said of all.
+
+    Raises
+    ------
+    DocumentError
+        Names the entry that is wrong.
+    InputError
+        Where the file cannot be read.
     """
     read = _read_csv if path.suffix.lower() == ".csv" else _read_json
     by_hand: dict[int, dict[str, Matrix]] = {index: {} for index in range(len(edl.poses))}
@@ -128,20 +210,20 @@ def load_manual(path: Path, edl: Edl, *, fit: str = "similarity") -> ByHand:
         where = f"{path}, camera {entry.camera}" + ("" if entry.pose is None else f", pose {entry.pose}")
         if entry.camera not in sizes:
             raise DocumentError("the EDL has no such camera", where=where, remedy=f"It has {', '.join(sizes)}")
-        place = _pose_of(entry, edl, where)
+        pose_index = _pose_index(entry, edl, where)
         try:
             matrix = _solved(entry, sizes[entry.camera], edl.size, fit)
         except ValueError as error:
             raise DocumentError(str(error), where=where, remedy="Take points that are spread over the field") from error
-        if solved.setdefault((entry.camera, place), matrix) != matrix:
+        if solved.setdefault((entry.camera, pose_index), matrix) != matrix:
             raise DocumentError("is aligned in two ways", where=where, remedy="Keep one, or name the pose of each")
-    for (camera, place), matrix in sorted(solved.items(), key=lambda item: item[0][1] is not None):
-        for index in by_hand if place is None else [place]:  # what is said of one pose wins over what is said of all
+    for (camera, pose_index), matrix in sorted(solved.items(), key=lambda item: item[0][1] is not None):
+        for index in by_hand if pose_index is None else [pose_index]:
             by_hand[index][camera] = matrix
     return by_hand
 
 
-def _pose_of(entry: _Entry, edl: Edl, where: str) -> int | None:
+def _pose_index(entry: _Entry, edl: Edl, where: str) -> int | None:
     if entry.frame is not None:
         found = [index for index, pose in enumerate(edl.poses) if entry.frame in pose.range]
         if not found:
@@ -157,7 +239,7 @@ def _solved(entry: _Entry, size: tuple[int, int], programme: tuple[int, int], fi
     if entry.transform is not None:
         return entry.transform.matrix(size, programme)
     if entry.homography is not None:
-        return to_edl_matrix(entry.homography)
+        return to_edl_matrix(np.array(entry.homography))
     points = np.array(entry.points)
     made = similarity_from_points if fit == "similarity" else homography_from_points
     return made(points[:, :2], points[:, 2:])
@@ -180,7 +262,8 @@ def _read_csv(path: Path) -> Sequence[_Entry]:
         for row in rows:
             try:
                 pose = int(row["pose"]) if row.get("pose") else None
-                x, y, u, v = (float(row[name]) for name in COLUMNS[2:])
+                x, y = float(row["x"]), float(row["y"])
+                u, v = float(row["programme_x"]), float(row["programme_y"])
             except (TypeError, ValueError) as error:
                 raise DocumentError(str(error), where=f"{path}, line {rows.line_num}", remedy=remedy) from error
             found.setdefault((row["camera"], pose), []).append((x, y, u, v))
@@ -193,24 +276,39 @@ def _read_csv(path: Path) -> Sequence[_Entry]:
 
 
 def aligned_by_hand(edl: Edl, by_hand: ByHand) -> Edl:
-    """The same shots with every view where a person put it.
+    """The same shots with every camera's picture where a person put it.
 
-    The reference camera stays as it is where it lacks; InputError where another camera is shown and lacks.
+    Parameters
+    ----------
+    edl : Edl
+        The programme.
+    by_hand : mapping of int to mapping of str to Matrix
+        See `load_manual`.
+
+    Returns
+    -------
+    Edl
+        The reference camera stays as it is where it has no alignment.
+
+    Raises
+    ------
+    InputError
+        Where another camera is shown that has none.
     """
-    for stretch, decision in resolve(edl):
+    for piece, decision in resolve(edl):
         for index, pose in enumerate(edl.poses):
-            shown = decision.camera != edl.reference and stretch.intersection(pose.range)
+            shown = decision.camera != edl.reference and piece.intersection(pose.range)
             if shown and decision.camera not in by_hand.get(index, {}):
                 raise InputError(
                     f"camera {decision.camera} is shown at frames {shown} and was not aligned by hand",
                     where=f"pose {index}",
                     remedy="Add its point pairs (docs/evaluation.md)",
                 )
-    poses = tuple(_by_hand(edl, pose, by_hand.get(i, {})) for i, pose in enumerate(edl.poses))
+    poses = tuple(_aligned_pose(edl, pose, by_hand.get(i, {})) for i, pose in enumerate(edl.poses))
     return attrs.evolve(edl, poses=poses, corrections=())
 
 
-def _by_hand(edl: Edl, pose: Pose, matrices: Mapping[str, Matrix]) -> Pose:
+def _aligned_pose(edl: Edl, pose: Pose, matrices: Mapping[str, Matrix]) -> Pose:
     """The reference's matrix is the anchor, and the others' lead through it."""
     given = {name: np.array(matrix, np.float64) for name, matrix in matrices.items()}
     anchor = given.pop(edl.reference, np.eye(3))

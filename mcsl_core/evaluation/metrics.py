@@ -20,7 +20,7 @@ Points = NDArray[np.float64]
 
 CEILING_DB = 60.0  # equal pictures: their PSNR is infinite, and one still pair must not decide a mean
 
-# What the figures were measured with, in words for a table's foot.
+# How it was measured, in words for a table's foot.
 FOLLOWED = "Shi-Tomasi corners followed by pyramidal Lucas-Kanade, there and back within 0.5 px"
 MATCHED = "RootSIFT, mutual nearest neighbours (ratio 0.85), within 5 % of the width of the plane that a third share"
 
@@ -37,7 +37,20 @@ def grey(planes: Planes) -> U8:
 
 
 def fidelity_db(a: U8, b: U8, mask: U8 | None = None) -> float:
-    """PSNR of two grey pictures, `CEILING_DB` at most; over ``mask`` (H, W) != 0 only. NaN where the mask is empty."""
+    """PSNR of two pictures; its mean over all pairs of neighbouring frames is the paper's ITF.
+
+    Parameters
+    ----------
+    a, b : (H, W) uint8
+        Grey, full range.
+    mask : (H, W) uint8, optional
+        Only where it is not 0.
+
+    Returns
+    -------
+    float
+        In dB, `CEILING_DB` at most; NaN where the mask is empty.
+    """
     count = a.size if mask is None else cv2.countNonZero(mask)
     if not count:
         return math.nan
@@ -47,7 +60,13 @@ def fidelity_db(a: U8, b: U8, mask: U8 | None = None) -> float:
 
 @frozen(eq=False)
 class Tracks:
-    """The same places in two pictures: (N, 2) points each."""
+    """The same points in two pictures.
+
+    Attributes
+    ----------
+    before, after : (N, 2) float64
+        (x, y) in pixels of either picture.
+    """
 
     before: Points
     after: Points
@@ -63,18 +82,43 @@ NO_TRACKS = Tracks(np.zeros((0, 2)), np.zeros((0, 2)))
 class Tracker:
     """Finds the tracks of two pictures.
 
-    corners: how many at most; spacing_px: least distance between them. off_plane: how far from the plane of most
-    matches one may lie, as a share of the picture's width: hands a decimetre above the field still count, chance
-    matches (a hundredth of the picture's area fits) hardly do.
+    Parameters
+    ----------
+    corners : int
+        How many at most.
+    spacing_px : float
+        Least distance between them.
+    off_plane : float
+        How far from the plane of most matches one may lie, as a share of the picture's width: hands a decimetre above
+        the field still count, chance matches (a hundredth of the picture's area fits) hardly do.
+    matcher : RootSift
+        For two cameras' pictures.
+
+    References
+    ----------
+    J. Shi, C. Tomasi: Good features to track. CVPR 1994.
+    J.-Y. Bouguet: Pyramidal implementation of the affine Lucas Kanade feature tracker. Intel, 2001.
+    D. Barath, J. Noskova, M. Ivashechkin, J. Matas: MAGSAC++. CVPR 2020.
     """
 
-    corners: int = field(default=400)
-    spacing_px: float = field(default=8)
-    off_plane: float = field(default=0.05)
+    corners: int = 400
+    spacing_px: float = 8
+    off_plane: float = 0.05
     matcher: RootSift = field(factory=RootSift)
 
     def follow(self, a: U8, b: U8) -> Tracks:
-        """Corners of ``a`` followed into ``b``: for one camera's neighbouring pictures."""
+        """Corners of one picture followed into another: for one camera's neighbouring pictures.
+
+        Parameters
+        ----------
+        a, b : (H, W) uint8
+            Grey, full range.
+
+        Returns
+        -------
+        Tracks
+            Those that lead there and back within half a pixel; none where there are fewer than eight.
+        """
         corners = cv2.goodFeaturesToTrack(a, self.corners, 0.01, self.spacing_px)
         if corners is None or len(corners) < _LEAST_POINTS:
             return NO_TRACKS
@@ -87,10 +131,22 @@ class Tracker:
         return _enough(Tracks(start[keep].astype(np.float64), end[keep].astype(np.float64)))
 
     def match(self, a: U8, b: U8) -> Tracks:
-        """Points of ``a`` found again in ``b``, however far and turned: for two cameras' pictures of one moment."""
+        """Points of one picture found again in another, however far and turned: for two cameras at about one time.
+
+        Parameters
+        ----------
+        a, b : (H, W) uint8
+            Grey, full range.
+
+        Returns
+        -------
+        Tracks
+            Those near the plane that most share; none where fewer than a third share one.
+        """
         of_a, of_b = self.matcher.features(a), self.matcher.features(b)
         pairs = self.matcher.match(of_a, of_b)
-        before, after = (f.points[pairs[:, i]].astype(np.float64) for i, f in enumerate((of_a, of_b)))
+        before = of_a.points[pairs[:, 0]].astype(np.float64)
+        after = of_b.points[pairs[:, 1]].astype(np.float64)
         if len(pairs) < _LEAST_PLANAR:
             return NO_TRACKS
         width = b.shape[1]
@@ -111,22 +167,46 @@ def _enough(tracks: Tracks) -> Tracks:
 
 
 def carried(matrix: NDArray, points: Points) -> Points:
-    """(N, 2) points through a 3x3 homography; NaN at or behind its horizon."""
+    """Points through a homography.
+
+    Parameters
+    ----------
+    matrix : (3, 3) float64
+        The homography.
+    points : (N, 2) float64
+        (x, y).
+
+    Returns
+    -------
+    (N, 2) float64
+        NaN at or behind its horizon.
+    """
     x, y, w = matrix @ np.column_stack([points, np.ones(len(points))]).T
     w = np.where(w * matrix[2, 2] > 1e-9, w, np.nan)
     return np.column_stack([x / w, y / w])
 
 
 def speed_px(tracks: Tracks, before: NDArray, after: NDArray, size: tuple[int, int]) -> float:
-    """Mean distance that the tracks move when their pictures are carried into a programme of ``size`` (width, height).
+    """Mean distance that tracks move in the programme; its mean over all pairs is the paper's AvSpeed.
 
-    before, after: 3x3, pixel of either picture -> programme pixel. Points that either leaves outside the programme
-    are not seen and do not count; NaN with fewer than eight left.
+    Parameters
+    ----------
+    tracks : Tracks
+        In the two cameras' own pictures.
+    before, after : (3, 3) float64
+        Pixel of either picture -> programme pixel.
+    size : (int, int)
+        Width and height of the programme. Points that lie outside it in either frame do not count.
+
+    Returns
+    -------
+    float
+        Programme pixels a frame; NaN with fewer than eight points.
     """
     start, end = carried(before, tracks.before), carried(after, tracks.after)
     edge = np.array(size) - 0.5
     with np.errstate(invalid="ignore"):
-        seen = ((start >= -0.5) & (start <= edge) & (end >= -0.5) & (end <= edge)).all(axis=1)
-    if np.count_nonzero(seen) < _LEAST_POINTS:
+        inside = ((start >= -0.5) & (start <= edge) & (end >= -0.5) & (end <= edge)).all(axis=1)
+    if np.count_nonzero(inside) < _LEAST_POINTS:
         return math.nan
-    return float(np.linalg.norm(end[seen] - start[seen], axis=1).mean())
+    return float(np.linalg.norm(end[inside] - start[inside], axis=1).mean())

@@ -6,6 +6,14 @@ same are left out of it, as Wilcoxon did; equal differences share their mean ran
 exact, over all patterns of signs given those ranks; with more it is the normal approximation, corrected for ties.
 Effect size: the matched-pairs rank-biserial correlation, (W+ - W-) / (W+ + W-). `p_holm` is p after Holm's correction
 for the pairs of one video and factor; "significant" says p < 5 %, as the paper tests.
+
+References
+----------
+The paper's section on its questionnaire.
+M. Friedman: The use of ranks to avoid the assumption of normality. J. Am. Stat. Assoc. 32, 1937.
+F. Wilcoxon: Individual comparisons by ranking methods. Biometrics Bulletin 1(6), 1945.
+D. S. Kerby: The simple difference formula (rank-biserial correlation). Comprehensive Psychology 3, 2014.
+S. Holm: A simple sequentially rejective multiple test procedure. Scand. J. Statistics 6(2), 1979.
 """
 
 from __future__ import annotations
@@ -15,6 +23,7 @@ import io
 from collections.abc import Mapping, Sequence
 from itertools import combinations
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from attrs import frozen
@@ -28,13 +37,23 @@ COLUMNS = ("participant", "video", "factor", "method", "rating")
 SCHEMA = "mcsl.study/1"
 LEVEL = 0.05
 LEAST = 6  # with five, even five out of five for one method gives p = 2 / 2**5 = 0.0625
-EXACT = 15  # 2**15 patterns of signs are still counted in a moment
+EXACT = 15  # 2**15 patterns of signs are still counted quickly
 _MOST_NAMED = 3
 
 
 @frozen
 class Friedman:
-    """Over all methods. statistic: chi-square; None for p and statistic where all participants rated all alike."""
+    """Friedman's test over all methods.
+
+    Attributes
+    ----------
+    statistic, p : float or None
+        Chi-square and its p; None where all participants rated all alike.
+    kendall_w : float or None
+        Effect size, Kendall's W, 0..1.
+    significant : bool
+        Whether p < `LEVEL`.
+    """
 
     statistic: float | None
     p: float | None
@@ -44,8 +63,25 @@ class Friedman:
 
 @frozen
 class Wilcoxon:
-    """Method ``a`` against ``b``. n: participants who rated them differently; ties: those who did not. statistic: the
-    smaller sum of ranks. effect: 1 where everybody rated ``a`` higher, -1 where ``b``. p: 1 where nobody differed."""
+    """Wilcoxon's signed-rank test of one method against another.
+
+    Attributes
+    ----------
+    a, b : str
+        The methods.
+    n, ties : int
+        Participants who rated them differently, and those who did not.
+    statistic : float
+        The smaller sum of ranks.
+    p, p_holm : float
+        Two-sided, and after Holm's correction; 1 where nobody differed.
+    effect : float
+        Matched-pairs rank-biserial correlation: 1 where everybody rated ``a`` higher, -1 where ``b``.
+    exact : bool
+        Whether p is exact; else the normal approximation.
+    significant : bool
+        Whether p < `LEVEL`.
+    """
 
     a: str
     b: str
@@ -61,7 +97,21 @@ class Wilcoxon:
 
 @frozen
 class Result:
-    """One video and factor: participants, median rating a method, and the tests; friedman needs three methods."""
+    """The tests of one video and factor.
+
+    Attributes
+    ----------
+    video, factor : str
+        As in the file.
+    participants : int
+        How many rated it.
+    medians : mapping of str to float
+        By method: the median rating.
+    friedman : Friedman or None
+        None with fewer than three methods.
+    pairs : tuple of Wilcoxon
+        Every pair of methods.
+    """
 
     video: str
     factor: str
@@ -72,10 +122,25 @@ class Result:
 
 
 def read_ratings(path: Path) -> dict[tuple[str, str], dict[str, dict[str, int]]]:
-    """(video, factor) -> method -> participant -> rating, in the file's order.
+    """Read a file of ratings.
 
-    CSV with a line of `COLUMNS`, separated by commas, semicolons or tabs. DocumentError names the line that is no
-    whole number from 1 to 5, stands twice, or lacks, and a video and factor with too few participants.
+    Parameters
+    ----------
+    path : Path
+        CSV with a line of `COLUMNS`, separated by commas, semicolons or tabs.
+
+    Returns
+    -------
+    dict
+        (video, factor) -> method -> participant -> rating 1..5, in the file's order.
+
+    Raises
+    ------
+    DocumentError
+        Names the rating that is no whole number from 1 to 5, stands twice, or is missing, and a video and factor with
+        too few participants.
+    InputError
+        Where the file cannot be read.
     """
     try:
         text = path.read_text("utf-8-sig")
@@ -93,7 +158,7 @@ def read_ratings(path: Path) -> dict[tuple[str, str], dict[str, dict[str, int]]]
     found: dict[tuple[str, str], dict[str, dict[str, int]]] = {}
     for row in rows:
         where = f"{path}, line {rows.line_num}"
-        participant, video, factor, method, rating = ((row[name] or "").strip() for name in COLUMNS)
+        participant, video, factor, method, rating = [(row[name] or "").strip() for name in COLUMNS]
         if rating not in ("1", "2", "3", "4", "5"):
             raise DocumentError(
                 f"the rating is {rating!r}", where=where, remedy="Ratings are whole numbers from 1 to 5"
@@ -132,7 +197,7 @@ def _check_complete(found: Mapping[tuple[str, str], Mapping[str, Mapping[str, in
             )
 
 
-def analyse_study(path: Path) -> tuple[Result, ...]:
+def analyse_questionnaire(path: Path) -> tuple[Result, ...]:
     """Both tests for every video and factor of a file of ratings; raises what `read_ratings` raises."""
     return tuple(_result(video, factor, cells) for (video, factor), cells in read_ratings(path).items())
 
@@ -140,8 +205,8 @@ def analyse_study(path: Path) -> tuple[Result, ...]:
 def _result(video: str, factor: str, cells: Mapping[str, Mapping[str, int]]) -> Result:
     people = list(next(iter(cells.values())))
     ratings = {method: np.array([cell[p] for p in people], np.float64) for method, cell in cells.items()}
-    pairs = [(a, b, *wilcoxon(ratings[a] - ratings[b])) for a, b in combinations(ratings, 2)]
-    holm = _holm([p for *_, p, _ in pairs])
+    tests = {(a, b): wilcoxon(ratings[a] - ratings[b]) for a, b in combinations(ratings, 2)}
+    holm = _holm([test.p for test in tests.values()])
     return Result(
         video,
         factor,
@@ -149,37 +214,94 @@ def _result(video: str, factor: str, cells: Mapping[str, Mapping[str, int]]) -> 
         {method: float(np.median(values)) for method, values in ratings.items()},
         friedman(list(ratings.values())) if len(ratings) > 2 else None,
         tuple(
-            Wilcoxon(a, b, n, len(people) - n, min(plus, minus), p, corrected, _effect(plus, minus), exact, p < LEVEL)
-            for (a, b, n, plus, minus, p, exact), corrected in zip(pairs, holm, strict=True)
+            _pair(a, b, len(people), test, p_holm) for ((a, b), test), p_holm in zip(tests.items(), holm, strict=True)
         ),
     )
 
 
+def _pair(a: str, b: str, participants: int, test: SignedRanks, p_holm: float) -> Wilcoxon:
+    return Wilcoxon(
+        a,
+        b,
+        n=test.n,
+        ties=participants - test.n,
+        statistic=min(test.plus, test.minus),
+        p=test.p,
+        p_holm=p_holm,
+        effect=_effect(test.plus, test.minus),
+        exact=test.exact,
+        significant=test.p < LEVEL,
+    )
+
+
 def friedman(ratings: Sequence[NDArray[np.float64]]) -> Friedman:
-    """Friedman's test of three or more methods' ratings, each by the same participants in the same order."""
+    """Friedman's test.
+
+    Parameters
+    ----------
+    ratings : sequence of (N,) float64
+        Three or more methods' ratings, each by the same participants in the same order.
+
+    Returns
+    -------
+    Friedman
+    """
     if all((values == ratings[0]).all() for values in ratings):
         return Friedman(None, None, None, significant=False)
-    statistic, p = (float(v) for v in stats.friedmanchisquare(*ratings))
+    found = stats.friedmanchisquare(*ratings)
+    statistic, p = float(found[0]), float(found[1])
     return Friedman(statistic, p, statistic / (len(ratings[0]) * (len(ratings) - 1)), p < LEVEL)
 
 
-def wilcoxon(differences: NDArray[np.float64]) -> tuple[int, float, float, float, bool]:
-    """(differences that are not zero, W+, W-, two-sided p, whether p is exact) of Wilcoxon's signed-rank test."""
+class SignedRanks(NamedTuple):
+    """Wilcoxon's signed-rank test of differences.
+
+    Attributes
+    ----------
+    n : int
+        How many are not zero.
+    plus, minus : float
+        W+ and W-, the sums of ranks of the positive and of the negative ones.
+    p : float
+        Two-sided.
+    exact : bool
+        Whether p is exact; else the normal approximation.
+    """
+
+    n: int
+    plus: float
+    minus: float
+    p: float
+    exact: bool
+
+
+def wilcoxon(differences: NDArray[np.float64]) -> SignedRanks:
+    """Wilcoxon's signed-rank test.
+
+    Parameters
+    ----------
+    differences : (N,) float64
+        One a participant; zeros are left out.
+
+    Returns
+    -------
+    SignedRanks
+    """
     kept = differences[differences != 0]
     n = len(kept)
     if n == 0:
-        return 0, 0.0, 0.0, 1.0, True
+        return SignedRanks(0, 0.0, 0.0, 1.0, True)
     ranks = stats.rankdata(np.abs(kept))
     plus, minus = float(ranks[kept > 0].sum()), float(ranks[kept < 0].sum())
     if n > EXACT:
         _, p = map(float, stats.wilcoxon(kept, zero_method="wilcox", correction=False, method="asymptotic"))
-        return n, plus, minus, p, False
+        return SignedRanks(n, plus, minus, p, False)
     # How many of the 2**n patterns of signs give each sum of positive ranks; halves, since tied ranks end in .5.
     counts = np.ones(1)
     for doubled in np.round(2 * ranks).astype(int):
         counts = np.pad(counts, (0, doubled)) + np.pad(counts, (doubled, 0))
     p = min(1.0, 2 * float(counts[: round(2 * min(plus, minus)) + 1].sum()) / 2**n)
-    return n, plus, minus, p, True
+    return SignedRanks(n, plus, minus, p, True)
 
 
 def _effect(plus: float, minus: float) -> float:
@@ -219,8 +341,8 @@ def to_csv(results: Sequence[Result]) -> str:
             answer = [*shown, "", effect, "no", _word(f.significant)]
             writer.writerow([r.video, r.factor, "friedman", "", "", r.participants, "", *answer])
         for w in r.pairs:
-            figures = [f"{v:.6g}" for v in (w.statistic, w.p, w.p_holm, w.effect)]
-            answer = [*figures, _word(w.exact), _word(w.significant)]
+            values = [f"{v:.6g}" for v in (w.statistic, w.p, w.p_holm, w.effect)]
+            answer = [*values, _word(w.exact), _word(w.significant)]
             writer.writerow([r.video, r.factor, "wilcoxon", w.a, w.b, w.n, w.ties, *answer])
     return stream.getvalue()
 

@@ -1,4 +1,4 @@
-"""The figures of an evaluation, and how they are written down."""
+"""The results of an evaluation, and how they are written down."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from mcsl_core.errors import DocumentError
 from .metrics import FOLLOWED, MATCHED
 
 SCHEMA = "mcsl.evaluation/1"
-FIGURES = ("itf_db", "itf_valid_db", "itf_field_db", "av_speed_px", "av_speed_field_px")
+MEASURES = ("itf_db", "itf_valid_db", "itf_field_db", "av_speed_px", "av_speed_field_px")
 FIELD = 0.2  # radius of "about the field" as a share of the programme's width: wounds of a hand's size fit in
 
 
@@ -23,9 +23,21 @@ FIELD = 0.2  # radius of "about the field" as a share of the programme's width: 
 class Steadiness:
     """Means over pairs of neighbouring frames; None where none could be measured.
 
-    itf_db: over the whole pictures. itf_valid_db: over pixels that both frames have from a camera. itf_field_db: over
-    those of them about the surgical field. av_speed_px: pixels a frame at the measured size; av_speed_field_px: of the
-    points about the field. pairs: how many there are; tracked: in how many of those looked at points were found.
+    Attributes
+    ----------
+    itf_db, itf_valid_db, itf_field_db : float or None
+        Mean PSNR over the whole pictures, over the pixels that are covered in both, and over those of them about the
+        surgical field.
+    av_speed_px, av_speed_field_px : float or None
+        Mean distance that a point moves, in pixels a frame at the measured size: of all, and of those about the field.
+    pairs : int
+        How many there are.
+    tracked : int
+        In how many of the measured ones points were found.
+
+    References
+    ----------
+    The paper's equations for ITF and AvSpeed.
     """
 
     itf_db: float | None
@@ -39,8 +51,15 @@ class Steadiness:
 
 @frozen
 class Pair:
-    """Two neighbouring frames: PSNR over all pixels, the valid ones, and those about the field; mean speed of all
-    points and of those about the field; None without data."""
+    """What was measured of two neighbouring frames; None without data.
+
+    Attributes
+    ----------
+    psnr_db, psnr_valid_db, psnr_field_db : float or None
+        Over all pixels, those covered in both, and those of them about the field.
+    speed_px, speed_field_px : float or None
+        Mean distance that a point moves: of all, and of those about the field.
+    """
 
     psnr_db: float
     psnr_valid_db: float | None
@@ -51,8 +70,19 @@ class Pair:
 
 @frozen
 class Measured:
-    """A variant's figures. whole: over the programme, None if only switches were measured. switches: over the two
-    frames around each; at_switches: one by one, as in `Evaluation.switches`."""
+    """A variant's results.
+
+    Attributes
+    ----------
+    name, label : str
+        For programs and for people.
+    whole : Steadiness or None
+        Over the programme; None if only switches were measured.
+    switches : Steadiness
+        Over the two frames around each switch.
+    at_switches : tuple of Pair
+        One by one, as in `Evaluation.switches`.
+    """
 
     name: str
     label: str
@@ -63,7 +93,15 @@ class Measured:
 
 @frozen
 class Switch:
-    """``frame`` is the first of ``camera``; the one before it is ``before``'s."""
+    """Where one camera follows another.
+
+    Attributes
+    ----------
+    frame : int
+        The first programme frame of ``camera``.
+    before, camera : str
+        The camera before, and the one from ``frame`` on.
+    """
 
     frame: int
     before: str
@@ -72,9 +110,20 @@ class Switch:
 
 @frozen
 class Conditions:
-    """What the figures were measured with. size: (width, height) of the pictures. every: of the pairs without a
-    switch one in so many was measured, 0 for none. switches: how many there are, of which all or some were measured.
-    field: radius about the field's middle, as a share of the programme's width.
+    """How it was measured.
+
+    Attributes
+    ----------
+    size : (int, int)
+        Width and height of the pictures.
+    every : int
+        Of the pairs without a switch one in so many was measured, 0 for none.
+    switches : int
+        How many there are, of which all or some were measured.
+    within_camera, at_switches, picture : str
+        In words: how points were tracked within a shot and at a switch, and in which pictures.
+    field : float
+        Radius of "about the field", as a share of the programme's width.
     """
 
     size: tuple[int, int]
@@ -88,7 +137,17 @@ class Conditions:
 
 @frozen
 class Evaluation:
-    """The figures of all variants, and what they were measured with."""
+    """The results of all variants.
+
+    Attributes
+    ----------
+    conditions : Conditions
+        How they were measured.
+    switches : tuple of Switch
+        Those that were measured.
+    measured : tuple of Measured
+        By variant.
+    """
 
     conditions: Conditions
     switches: tuple[Switch, ...]
@@ -102,17 +161,25 @@ class Evaluation:
         raise KeyError(name)
 
     def gains(self, over: str = "manual", of: str = "auto") -> dict[str, float]:
-        """Per cent by which ``of`` has more ITF and less AvSpeed than ``over``, as the paper tells them.
+        """By how much one variant is steadier than another, as the paper tells it.
 
-        Keys: "itf", "itf_valid", "itf_field", "av_speed", "av_speed_field", and at switches "switches_itf" and so on;
-        what was not measured is left out.
+        Parameters
+        ----------
+        over, of : str
+            Names of the variants: the gains of ``of`` over ``over``.
+
+        Returns
+        -------
+        dict of str to float
+            Per cent more ITF and per cent less AvSpeed: "itf", "itf_valid", "itf_field",
+            "av_speed", "av_speed_field", and at switches "switches_itf" and so on; what was not measured is left out.
         """
         better, worse = self.row(of), self.row(over)
         found = {}
         for prefix, a, b in (("", better.whole, worse.whole), ("switches_", better.switches, worse.switches)):
             if a is None or b is None:
                 continue
-            for name in FIGURES:
+            for name in MEASURES:
                 x, y = getattr(a, name), getattr(b, name)
                 if x is not None and y:
                     sign = -1 if name.startswith("av_speed") else 1
@@ -124,7 +191,7 @@ _converter = make_converter()
 
 
 def to_json(evaluation: Evaluation) -> str:
-    """Canonical text: the same figures give the same bytes. Figures at three decimals, gains at one."""
+    """Canonical text: the same results give the same bytes. Results at three decimals, gains at one."""
     value: dict[str, Any] = {"schema": SCHEMA, **_converter.unstructure(evaluation, Evaluation)}
     if {"manual", "auto"} <= {m.name for m in evaluation.measured}:
         value["gains_of_auto_over_manual_percent"] = {k: round(v, 1) for k, v in evaluation.gains().items()}
@@ -140,18 +207,33 @@ def _rounded(value: Any) -> Any:
 
 
 def load_evaluation(path: Path) -> Evaluation:
-    """Reads what `to_json` wrote; DocumentError where it is something else."""
+    """Read what `to_json` wrote.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Returns
+    -------
+    Evaluation
+
+    Raises
+    ------
+    DocumentError
+        Where it is something else.
+    """
     value = read_json(path)
     if not isinstance(value, dict) or value.get("schema") != SCHEMA:
         raise DocumentError(
-            f"is not the figures of an evaluation ({SCHEMA})", where=str(path),
+            f"is not the results of an evaluation ({SCHEMA})", where=str(path),
             remedy="Make them with `mcsl evaluate EDL --json FILE`",
         )  # fmt: skip
     kept = {k: v for k, v in value.items() if k not in ("schema", "gains_of_auto_over_manual_percent")}
-    return structure_document(kept, Evaluation, _converter, where=str(path), name="the figures (evaluation.md)")
+    return structure_document(kept, Evaluation, _converter, where=str(path), name="the results (evaluation.md)")
 
 
-COLUMNS = (*FIGURES, "pairs", "tracked")
+COLUMNS = (*MEASURES, "pairs", "tracked")
 
 
 def to_csv(evaluation: Evaluation) -> str:

@@ -20,8 +20,15 @@ _AGE_KERNEL = (9, 9)  # the paper gives no figure
 class PaperFiller:
     """The paper's: pixels above 10, blurred by a Gaussian of 49 pixels, are the alpha over the reference camera.
 
-    What then is missing comes from the frame before, blurred, so that it is the more blurred the older it is. In
-    Y'CbCr, where the formulas are the same: blending is linear.
+    What then is missing comes from the frame before, blurred, so that it is the more blurred the older it is.
+
+    Notes
+    -----
+    It works in Y'CbCr, where the formulas are the same: blending is linear. Its name is "reference".
+
+    References
+    ----------
+    The paper's section "Filling Missing Region".
     """
 
     name = "reference"
@@ -29,6 +36,7 @@ class PaperFiller:
     remembers = True
 
     def fill(self, context: FillContext) -> Planes:
+        """Fill one programme frame; see `Filler`."""
         reference = context.others[0] if context.others else None
         behind = context.picture(reference, Rect(0, 0, *context.size)) if reference is not None else None
         out = context.front
@@ -42,9 +50,8 @@ class PaperFiller:
         hole = np.asarray(cv2.bitwise_not(_bright(out)), np.uint8)
         if not hole.any():
             return out
-        return Planes(
-            *(_kept(*p) for p in zip(out, context.previous, (hole, hole[::2, ::2], hole[::2, ::2]), strict=True))
-        )
+        holes = (hole, hole[::2, ::2], hole[::2, ::2])
+        return Planes(*(_filled_from_before(*p) for p in zip(out, context.previous, holes, strict=True)))
 
 
 def _bright(planes: Planes) -> U8:
@@ -56,7 +63,7 @@ def _over(front: U8, behind: U8, alpha: U8) -> U8:
     return cv2.blendLinear(front, behind, weight, 1 - weight)  # pyright: ignore[reportReturnType]
 
 
-def _kept(plane: U8, before: U8, hole: U8) -> U8:
+def _filled_from_before(plane: U8, before: U8, hole: U8) -> U8:
     """``plane`` with blurred pixels of the frame before in ``hole``; only its surroundings are blurred."""
     x, y, width, height = cv2.boundingRect(np.ascontiguousarray(hole))
     part = (slice(max(0, y - 8), y + height + 8), slice(max(0, x - 8), x + width + 8))

@@ -12,14 +12,16 @@ from mcsl_core.imaging.planes import U8, Planes
 from mcsl_core.imaging.rect import Rect
 from mcsl_core.timing import FrameRange
 
-CELL = 16  # programme pixels: of the grid on which it is looked for who moves
+CELL = 16  # programme pixels: of the grid on which motion is measured
 
 
 class FillContext(Protocol):
-    """One programme frame before filling, and the means to look at every camera at any moment through the same eye."""
+    """One programme frame before filling, and the means to read every camera at any frame, warped in the same way."""
 
     @property
-    def frame(self) -> int: ...
+    def frame(self) -> int:
+        """The programme frame."""
+        ...
 
     @property
     def rate(self) -> float:
@@ -38,17 +40,17 @@ class FillContext(Protocol):
 
     @property
     def front(self) -> Planes:
-        """The chosen camera's picture, warped and coloured; black where it does not reach."""
+        """The chosen camera's picture, warped and coloured; black outside it."""
         ...
 
     @property
     def others(self) -> Sequence[str]:
-        """Cameras that may stand in; the reference camera leads, then by closeness of viewpoint to the chosen one."""
+        """Cameras that may stand in; the reference camera leads, then by nearness of viewpoint to the chosen one."""
         ...
 
     @property
     def still(self) -> FrameRange:
-        """The stretch of this frame's pose in which the lamp stands still: a look at its median_of lies right."""
+        """The range of this frame's pose in which the lamp stands still: a picture from it lies right."""
         ...
 
     @property
@@ -67,18 +69,39 @@ class FillContext(Protocol):
         ...
 
     def footprint(self, camera: str, frame: int | None = None, *, parallax_corrected: bool = False) -> U8:
-        """(height / 2, width / 2): 255 where that camera sees the programme, less at its very edge.
+        """Which programme pixels lie inside a camera's warped picture.
 
-        On the grid of the chroma samples. frame: in the pose of that frame, in place of this one's; nothing where the
-        camera's place is not known. parallax_corrected: where `look` shows it so.
+        Parameters
+        ----------
+        camera : str
+            The camera's name.
+        frame : int, optional
+            In the pose of that programme frame, in place of this one's.
+        parallax_corrected : bool
+            Of the picture that `picture` gives with the same argument.
+
+        Returns
+        -------
+        (height / 2, width / 2) uint8
+            255 inside, less at the very edge, on the grid of the chroma samples; 0 all over where the camera's
+            position is not known.
         """
         ...
 
     def change(self, camera: str, median_of: Sequence[int]) -> NDArray[np.float32]:
-        """(ceil(height / 16), ceil(width / 16)): by how many codes what that camera has now is not the median of
-        ``median_of``, where each cell of `CELL` x `CELL` programme pixels lies; 0 where it does not look.
+        """How much a camera's picture now differs from the median of others: who moves there, and their shadows.
 
-        Whoever moves there, and what they cast their shadow on.
+        Parameters
+        ----------
+        camera : str
+            The camera's name.
+        median_of : sequence of int
+            Programme frames of one pose, as in `picture`.
+
+        Returns
+        -------
+        (ceil(height / 16), ceil(width / 16)) float32
+            The difference in 8-bit codes in each cell of `CELL` x `CELL` programme pixels; 0 outside the picture.
         """
         ...
 
@@ -91,19 +114,35 @@ class FillContext(Protocol):
         *,
         parallax_corrected: bool = False,
     ) -> Planes | None:
-        """What that camera has in ``rect``, warped and coloured; None where it has no picture or no known place.
+        """What a camera shows in a rectangle of the programme, warped and coloured.
 
-        median_of: the median of its pictures at these frames of one pose, in place of its picture now. Each costs a
-        seek and a decode when it is first asked for, so keep to few: those of a fixed grid, so that a frame comes out
-        the same in whatever stretch it is made. blur_px: sigma of a Gaussian over it. parallax_corrected: so that what
-        does not lie on the plane of the field is where the perspective's first picture has it, not only warped; the
-        chosen camera's only towards its edge, so that its picture goes over into the others'.
+        Parameters
+        ----------
+        camera : str
+            The camera's name.
+        rect : Rect
+            In programme pixels.
+        median_of : sequence of int
+            Programme frames of one pose whose median is taken, in place of the picture now. Each costs a seek and a
+            decode when it is first asked for, so keep to few: those of a fixed grid, so that a frame comes out the same
+            in whatever range it is made.
+        blur_px : float
+            Sigma of a Gaussian over the picture, in programme pixels.
+        parallax_corrected : bool
+            What does not lie on the plane of the field is moved to where the perspective's first picture has it; of
+            the chosen camera only towards its edge, so that its picture goes over into the others'.
+
+        Returns
+        -------
+        Planes or None
+            A picture of the rectangle's size, black outside the camera's; None where the camera has no picture or no
+            known position.
         """
         ...
 
 
 class Filler(Protocol):
-    """Fills what the chosen camera leaves empty. May keep what depends on geometry alone, nothing else."""
+    """Fills the pixels outside the chosen camera's picture. May keep what depends on geometry alone, nothing else."""
 
     @property
     def name(self) -> str: ...
@@ -115,9 +154,20 @@ class Filler(Protocol):
 
     @property
     def remembers(self) -> bool:
-        """Whether `View.previous` is wanted; it begins anew every ten seconds, from 1, 2, 4, 8 ... frames before."""
+        """Whether `FillContext.previous` is wanted; it begins anew every 10 s, from 1, 2, 4, 8 ... frames before."""
         ...
 
     def fill(self, context: FillContext) -> Planes:
-        """The finished frame; ``context.front`` itself where there is nothing to fill."""
+        """Fill one programme frame.
+
+        Parameters
+        ----------
+        context : FillContext
+            The frame before filling. Its pictures cannot be written to.
+
+        Returns
+        -------
+        Planes
+            The finished frame, of the programme's size; ``context.front`` itself where there is nothing to fill.
+        """
         ...

@@ -1,4 +1,4 @@
-"""Showing where each pixel came from: the pictures are tinted before they are blended, so borders show as they are."""
+"""The provenance of each pixel: pictures are tinted before they are blended, so that borders show as they are."""
 
 from __future__ import annotations
 
@@ -18,11 +18,19 @@ from .protocol import FillContext, Filler
 # (Cb, Cr) far from grey and from each other; a sixth camera begins again.
 TINTS = ((90, 170), (170, 95), (75, 95), (185, 165), (128, 200), (60, 128))
 _SHARE = 0.6  # of the tint in the chroma
-_DIMMED = 0.7  # of the luma, of looks at other median_of
+_DIMMED = 0.7  # of the luma, of medians
 
 
 class ShowProvenance:
-    """A filler's work with each camera's pixels tinted, medians and other poses darker, and a legend."""
+    """A filler's work with each camera's pixels tinted, medians and other poses darker, and a legend.
+
+    Parameters
+    ----------
+    filler : Filler
+        Whose work is shown.
+    cameras : sequence of str
+        The EDL's cameras in order: the n-th has the n-th of `TINTS`.
+    """
 
     def __init__(self, filler: Filler, cameras: Sequence[str]) -> None:
         self.filler, self.cameras = filler, tuple(cameras)
@@ -30,13 +38,14 @@ class ShowProvenance:
         self._legend: Planes | None = None
 
     def fill(self, context: FillContext) -> Planes:
-        return self._explained(self.filler.fill(_Tinted(context, self.cameras)))
+        """Fill one programme frame, tinted, with the legend; see `Filler`."""
+        return self._with_legend(self.filler.fill(_TintedContext(context, self.cameras)))
 
-    def bare(self, context: FillContext) -> Planes:
-        """The chosen camera's picture alone, where nothing is to be filled."""
-        return self._explained(_Tinted(context, self.cameras).front)
+    def unfilled(self, context: FillContext) -> Planes:
+        """The chosen camera's picture alone, tinted, with the legend: of a frame that is not filled."""
+        return self._with_legend(_TintedContext(context, self.cameras).front)
 
-    def _explained(self, planes: Planes) -> Planes:
+    def _with_legend(self, planes: Planes) -> Planes:
         if self._legend is None:
             self._legend = _legend(self.cameras, planes.size)
         out = Planes(*(plane.copy() for plane in planes))
@@ -48,8 +57,8 @@ class ShowProvenance:
 
 
 @frozen(eq=False)
-class _Tinted:
-    """A context through coloured glass."""
+class _TintedContext:
+    """A context whose pictures are tinted by camera."""
 
     context: FillContext
     cameras: tuple[str, ...]
@@ -76,17 +85,15 @@ class _Tinted:
     def change(self, camera: str, median_of: Sequence[int]) -> NDArray[np.float32]:
         return self.context.change(camera, median_of)
 
-    def _tint(self, camera: str, planes: Planes, past: bool = False) -> Planes:
+    def _tint(self, camera: str, planes: Planes, darker: bool = False) -> Planes:
         half = planes.u.shape[::-1]
         luma = cv2.resize(planes.y, half, interpolation=cv2.INTER_AREA).astype(np.float32)
-        share = _SHARE * np.clip((luma - 16) / 16, 0, 1)  # what is black has no origin
+        share = _SHARE * np.clip((luma - 16) / 16, 0, 1)  # what is black comes from no camera
         tint = TINTS[self.cameras.index(camera) % len(TINTS)]
-        u, v = (
-            np.round(plane + share * (t - plane.astype(np.float32))).astype(np.uint8)
-            for plane, t in zip((planes.u, planes.v), tint, strict=True)
-        )
-        y = np.asarray(cv2.addWeighted(planes.y, _DIMMED, planes.y, 0, 16 * (1 - _DIMMED)), np.uint8)
-        return Planes(y if past else planes.y, u, v)
+        y = planes.y
+        if darker:
+            y = np.asarray(cv2.addWeighted(y, _DIMMED, y, 0, 16 * (1 - _DIMMED)), np.uint8)
+        return Planes(y, _towards(planes.u, tint[0], share), _towards(planes.v, tint[1], share))
 
     @property
     def frame(self) -> int:
@@ -125,24 +132,28 @@ class _Tinted:
         return self.context.previous
 
 
+def _towards(plane: U8, tint: int, share: NDArray[np.floating]) -> U8:
+    return np.round(plane + share * (tint - plane.astype(np.float32))).astype(np.uint8)
+
+
 def _legend(cameras: Sequence[str], size: tuple[int, int]) -> Planes:
     """A line for each camera in its tint; OpenCV writes ASCII, other letters become question marks."""
     scale = max(size[1] / 1080, 0.4)
     line, width = round(44 * scale / 2) * 2, round(300 * scale / 2) * 2
     picture = np.zeros((line * (len(cameras) + 1), width, 3), np.uint8)
     names = [*cameras, "darker: not now"]
-    for number, name in enumerate(names):
+    for index, name in enumerate(names):
         text = name.encode("ascii", "replace").decode()
-        base = (round(52 * scale), round(line * (number + 0.7)))
+        base = (round(52 * scale), round(line * (index + 0.7)))
         cv2.putText(
             picture, text, base, cv2.FONT_HERSHEY_SIMPLEX, scale, (235, 235, 235), max(1, round(2 * scale)), cv2.LINE_AA
         )
     planes = bgr_to_planes(picture)
-    for number in range(len(cameras)):
-        rows = slice(number * line + line // 4 // 2 * 2, (number + 1) * line - line // 4 // 2 * 2)
+    for index in range(len(cameras)):
+        rows = slice(index * line + line // 4 // 2 * 2, (index + 1) * line - line // 4 // 2 * 2)
         columns = slice(0, round(40 * scale / 2) * 2)
         half = (slice(rows.start // 2, rows.stop // 2), slice(0, columns.stop // 2))
         planes.y[rows, columns] = 140
-        for plane, tint in zip((planes.u, planes.v), TINTS[number % len(TINTS)], strict=True):
+        for plane, tint in zip((planes.u, planes.v), TINTS[index % len(TINTS)], strict=True):
             plane[half] = tint
     return planes

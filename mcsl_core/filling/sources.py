@@ -1,4 +1,4 @@
-"""Where the pictures come from that stand behind the chosen camera's."""
+"""The pictures that may stand behind the chosen camera's."""
 
 from __future__ import annotations
 
@@ -11,56 +11,83 @@ from mcsl_core.imaging.rect import Rect
 from .median_grid import first_grid_frames, grid_frames, grid_step
 from .protocol import FillContext
 
-_FADE_S = 1.0  # from one median to the next
+_CROSSFADE_S = 1.0  # from one median to the next
 
 
 @frozen
 class Source:
-    """Pictures of a camera: as it is now, or (``moment``) as it was last looked at, or at one frame of another pose."""
+    """Pictures of one camera: as it is now, its latest median, or its median in another pose.
+
+    Parameters
+    ----------
+    camera : str
+        The camera's name.
+    median : bool
+        The median of this pose's latest grid frames, in place of the picture now.
+    frame : int, optional
+        A programme frame of another pose: the median near it.
+    plane_only : bool
+        Warped by the homography alone, for pixels that the parallax-corrected picture leaves empty.
+    """
 
     camera: str
-    moment: bool = False
+    median: bool = False
     frame: int | None = None
-    plain: bool = False  # warped alone, where a bent picture does not reach
+    plane_only: bool = False
 
     @property
     def live(self) -> bool:
-        return not self.moment and self.frame is None
+        """Whether it is the picture now, for which the camera is decoded all along."""
+        return not self.median and self.frame is None
 
 
 def candidates(context: FillContext) -> Iterator[Source]:
-    """Who may stand behind, the best first."""
+    """The sources that may stand behind the chosen camera, the best first."""
     for camera in context.others:
-        yield Source(camera, moment=True)
+        yield Source(camera, median=True)
     for still in context.elsewhere:
         frame = still.stop - 1 if still.start < context.still.start else still.start  # the nearest in time
         for camera in (context.camera, *context.others):
             yield Source(camera, frame=frame)
 
 
-def sets_of(context: FillContext, source: Source) -> tuple[tuple[int, ...], ...]:
-    """The sets of median_of at which a source is looked at, the latest first; an empty set is now."""
+def median_frames(context: FillContext, source: Source) -> tuple[tuple[int, ...], ...]:
+    """The frames of each median that a source is made of now.
+
+    Parameters
+    ----------
+    context : FillContext
+        The programme frame.
+    source : Source
+        One of `candidates`.
+
+    Returns
+    -------
+    tuple of tuples of int
+        One entry for each picture, the latest first; two while one median goes over into the next (`crossfade`). An
+        empty entry is the picture now.
+    """
     if source.frame is not None:
         still = next(piece for piece in context.elsewhere if source.frame in piece)
         step = grid_step(still, context.rate)
-        return (
-            grid_frames(still, step, source.frame // step)
-            if source.frame > still.start
-            else first_grid_frames(still, step),
-        )
-    if not source.moment:
+        if source.frame > still.start:
+            return (grid_frames(still, step, source.frame // step),)
+        return (first_grid_frames(still, step),)
+    if not source.median:
         return ((),)
     step = grid_step(context.still, context.rate)
-    now, before = (grid_frames(context.still, step, context.frame // step - ago) for ago in (0, 1))
-    return (now,) if now == before or faded(context) >= 1 else (now, before)
+    latest = context.frame // step
+    now, before = grid_frames(context.still, step, latest), grid_frames(context.still, step, latest - 1)
+    return (now,) if now == before or crossfade(context) >= 1 else (now, before)
 
 
-def faded(context: FillContext) -> float:
-    """How much of the latest looks has come, 0..1."""
+def crossfade(context: FillContext) -> float:
+    """Weight of the latest median against the one before it, 0..1."""
     step = grid_step(context.still, context.rate)
-    return min(1.0, (context.frame % step + 1) / max(1.0, min(_FADE_S * context.rate, step)))
+    return min(1.0, (context.frame % step + 1) / max(1.0, min(_CROSSFADE_S * context.rate, step)))
 
 
 def missing(context: FillContext, source: Source) -> bool:
+    """Whether a source has no picture at this frame: a gap in the camera's recording."""
     speck = Rect(0, 0, 2, 2)
-    return any(context.picture(source.camera, speck, median_of) is None for median_of in sets_of(context, source))
+    return any(context.picture(source.camera, speck, frames) is None for frames in median_frames(context, source))

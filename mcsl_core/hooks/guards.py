@@ -1,14 +1,13 @@
 """Plugins behind checks: what goes in cannot be changed, what comes out is what the protocol promises, time is told.
 
-The pipeline calls every plugin, the built-ins too, through the guard of its stage (`plugins.Offer.checked`). Whatever a
-plugin does wrong is a `PluginError` of one line that names stage, plugin, package and version, and says what to do.
+The pipeline calls every plugin, the built-ins too, through the guard of its stage (`registry.Offer.checked`). Whatever
+a plugin does wrong is a `PluginError` of one line that names stage, plugin, package and version, and says what to do.
 """
 
 from __future__ import annotations
 
-import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from types import MappingProxyType
 from typing import Any, TypeVar
@@ -35,6 +34,7 @@ from mcsl_core.selection.protocol import MIN_SHOT_S
 from mcsl_core.timing import check_tiles
 
 from .stages import STAGES
+from .watch import Watch
 
 T = TypeVar("T")
 
@@ -42,9 +42,9 @@ T = TypeVar("T")
 def read_only(value: T) -> T:
     """The same value, none of whose arrays and mappings can be written to; no array is copied."""
     if isinstance(value, np.ndarray):
-        view = value.view()
-        view.flags.writeable = False
-        return view  # pyright: ignore[reportReturnType]
+        locked = value.view()
+        locked.flags.writeable = False
+        return locked  # pyright: ignore[reportReturnType]
     if isinstance(value, Mapping):
         return MappingProxyType({key: read_only(item) for key, item in value.items()})  # pyright: ignore
     if isinstance(value, tuple):
@@ -55,35 +55,25 @@ def read_only(value: T) -> T:
     return value
 
 
-class Watch:
-    """How long plugins take. One that has taken longer than what it works on lasts is named in a note; then again
-    each time that has doubled.
-
-    That is no judgement, but what a person who waits wants to know; and it needs no figure for the machine's speed.
-    """
-
-    def __init__(self, lasts_s: float, note: Callable[[str], None]) -> None:
-        self.lasts_s, self._note = lasts_s, note
-        self._spent: dict[str, float] = {}
-        self._told: dict[str, float] = {}
-        self._lock = threading.Lock()
-
-    def spent(self, who: str, seconds: float) -> None:
-        """``who`` was busy for so long, just now. Safe from several threads."""
-        with self._lock:
-            total = self._spent[who] = self._spent.get(who, 0.0) + seconds
-            bound = self._told.get(who, self.lasts_s)
-            if total <= bound:
-                return
-            self._told[who] = 2 * total
-        self._note(f"{who} has taken {total:.0f} s so far, for a recording of {self.lasts_s:.0f} s")
-
-
 @frozen(eq=False)
 class Guard:
-    """One plugin's object. stage: the stage it does. label: "name (package version)". package: where it comes from."""
+    """One plugin's object behind its stage's checks.
 
-    does: Any
+    Attributes
+    ----------
+    implementation : object
+        What the plugin registered.
+    stage : str
+        The stage it does; see `STAGES`.
+    label : str
+        "name (package version)".
+    package : str
+        Where it comes from.
+    watch : Watch, optional
+        Who is told how long it takes.
+    """
+
+    implementation: Any
     stage: str
     label: str
     package: str
@@ -91,20 +81,43 @@ class Guard:
 
     @property
     def name(self) -> str:
-        return self.does.name
+        return self.implementation.name
 
     @property
     def who(self) -> str:
+        """What the plugin is called in errors and notes."""
         return f"{STAGES[self.stage].noun} {self.label}"
 
-    def call(self, method: str, *given: Any, does: Any = None, **named: Any) -> Any:
-        """What the plugin's method gives. Its errors get its name; `Cancelled` is none of them."""
+    def call(self, method: str, *given: Any, on: Any = None, **named: Any) -> Any:
+        """Call a method of the plugin's object and take its time.
+
+        Parameters
+        ----------
+        method : str
+            The method's name.
+        *given, **named
+            Its arguments.
+        on : object, optional
+            Another object of the plugin's, in place of ``implementation``.
+
+        Returns
+        -------
+        object
+            What the method returns.
+
+        Raises
+        ------
+        PluginError
+            In place of whatever the method raises, in the plugin's name; `Cancelled` stays what it is.
+        McslError
+            As the method raised it, with the plugin's name added: it is said for people already.
+        """
         began = time.monotonic()
         try:
-            return getattr(self.does if does is None else does, method)(*given, **named)
+            return getattr(self.implementation if on is None else on, method)(*given, **named)
         except Cancelled:
             raise
-        except McslError as error:  # said for people already; whose words they are is added
+        except McslError as error:
             if self.package != "mcsl" and self.label not in error.where:
                 error.where = f"{self.who}: {error.where}" if error.where else self.who
             raise
@@ -115,18 +128,21 @@ class Guard:
                 self.watch.spent(self.who, time.monotonic() - began)
 
     def fault(self, what: str) -> PluginError:
+        """The error that says ``what`` the plugin did wrong."""
         remedy = f"Report it to the author of {self.package}, or choose another with --{self.stage}"
         return PluginError(what.rstrip("."), where=self.who, remedy=remedy)
 
     def need(self, holds: bool, what: str) -> None:
+        """Raise the `fault` ``what`` unless it ``holds``."""
         if not holds:
             raise self.fault(what)
 
     def need_kind(self, method: str, value: object, kind: type) -> None:
-        self.need(isinstance(value, kind), f"{method} gave {_told(value)}, expected {kind.__name__}")
+        """Raise a `fault` unless what ``method`` returned is of the type ``kind``."""
+        self.need(isinstance(value, kind), f"{method} gave {_described(value)}, expected {kind.__name__}")
 
 
-def _told(value: object) -> str:
+def _described(value: object) -> str:
     if isinstance(value, np.ndarray):
         return f"an array of {value.dtype} and shape {value.shape}"
     text = " ".join(repr(value).split())
@@ -134,6 +150,8 @@ def _told(value: object) -> str:
 
 
 class MovementGuard(Guard):
+    """Of a `MovementDetector`: movements in order and within the programme, and a curve whose frames rise."""
+
     def detect(self, samples: SampleStore, footage: Footage, progress: Progress) -> Detection:
         own = attrs.evolve(samples, frames=tuple(samples.frames))  # pyright: ignore[reportArgumentType]
         found = self.call("detect", own, footage, progress)
@@ -150,24 +168,28 @@ class MovementGuard(Guard):
 
 
 class MatcherGuard(Guard):
+    """Of a `Matcher`: points inside the picture, descriptors of unit length, no point matched twice."""
+
     def features(self, picture: NDArray[np.uint8], mask: NDArray[np.uint8] | None = None) -> Features:
         found = self.call("features", read_only(picture), None if mask is None else read_only(mask))
         self.need_kind("features", found, Features)
         size = (picture.shape[1], picture.shape[0])
-        self.need(found.size == size, f"features gave the size {_told(found.size)} for a picture of {size}")
+        self.need(found.size == size, f"features gave the size {_described(found.size)} for a picture of {size}")
         inside = (found.points > -1) & (found.points < size)  # false for NaN too
         self.need(bool(inside.all()), f"features gave points that are not inside the picture of {size}")
-        self.need(found.descriptors.ndim == 2, f"features gave {_told(found.descriptors)} as descriptors, expected 2-D")
+        self.need(
+            found.descriptors.ndim == 2, f"features gave {_described(found.descriptors)} as descriptors, expected 2-D"
+        )
         length = np.linalg.norm(found.descriptors, axis=1)
         self.need(bool((np.abs(length - 1) < 0.01).all()), "features gave descriptors that are not of unit length")
         return read_only(found)
 
     def match(self, a: Features, b: Features) -> NDArray[np.intp]:
         pairs = np.asarray(self.call("match", a, b))
-        self.need(pairs.ndim == 2 and pairs.shape[1] == 2, f"match gave {_told(pairs)}, expected (M, 2) indices")
+        self.need(pairs.ndim == 2 and pairs.shape[1] == 2, f"match gave {_described(pairs)}, expected (M, 2) indices")
         if not len(pairs):
             return np.zeros((0, 2), np.intp)
-        self.need(pairs.dtype.kind in "iu", f"match gave {_told(pairs)}, expected integers")
+        self.need(pairs.dtype.kind in "iu", f"match gave {_described(pairs)}, expected integers")
         for column, features in enumerate((a, b)):
             own, count = pairs[:, column], len(features.points)
             self.need(own.min() >= 0 and own.max() < count, f"match gave an index outside of {count} points")
@@ -176,6 +198,8 @@ class MatcherGuard(Guard):
 
 
 class AlignerGuard(Guard):
+    """Of a `Aligner`: every camera tied in or named weak with a reason, proper homographies."""
+
     def align(
         self,
         pairs: Mapping[tuple[str, str], Correspondences],
@@ -196,17 +220,17 @@ class AlignerGuard(Guard):
         self.need(reference in tied, f"align gave no homography for the reference {reference}")
         for camera, matrix in found.homographies.items():
             good = np.shape(matrix) == (3, 3) and np.isfinite(matrix).all() and abs(np.linalg.det(matrix)) > 1e-12
-            self.need(bool(good) and abs(matrix[2][2] - 1) < 1e-6, f"align gave {_told(matrix)} for {camera}")
+            self.need(bool(good) and abs(matrix[2][2] - 1) < 1e-6, f"align gave {_described(matrix)} for {camera}")
         for what, of in (("residual_px", found.residual_px), ("support", found.support)):
             self.need(set(of) == tied - {reference}, f"align gave {what} of {sorted(of)}, expected all tied but one")
             for camera, value in of.items():
-                self.need(_number(value) and value >= 0, f"align gave {_told(value)} as {what} of {camera}")
+                self.need(_number(value) and value >= 0, f"align gave {_described(value)} as {what} of {camera}")
         return attrs.evolve(found, weak=tuple(found.weak))
 
 
 @frozen(eq=False)
 class _Samples(Sequence[Sequence[AlignedView]]):
-    """Samples whose views cannot be written to; a slice of them is read only when it is asked for."""
+    """Samples whose views cannot be written to; each is read only when it is asked for, as a slice's are."""
 
     samples: Sequence[Sequence[AlignedView]]
     positions: range
@@ -216,38 +240,54 @@ class _Samples(Sequence[Sequence[AlignedView]]):
 
     def __getitem__(self, at):  # pyright: ignore[reportIncompatibleMethodOverride]
         found = self.positions[at]
-        return _Samples(self.samples, found) if isinstance(found, range) else read_only(tuple(self.samples[found]))
+        if isinstance(found, range):
+            return _Samples(self.samples, found)
+        return read_only(tuple(self.samples[found]))
 
 
 @frozen(eq=False)
 class ScorerGuard:
+    """An occlusion detector's scorer behind the same checks.
+
+    Attributes
+    ----------
+    guard : Guard
+        The detector's.
+    scorer : object
+        What it returned.
+    """
+
     guard: Guard
-    does: Any
+    scorer: Any
 
     def score(self, views: Sequence[AlignedView]) -> Mapping[str, float]:
-        scores = self.guard.call("score", read_only(tuple(views)), does=self.does)
+        scores = self.guard.call("score", read_only(tuple(views)), on=self.scorer)
         self.guard.need_kind("score", scores, Mapping)
         for view in views:
             value = scores.get(view.camera)
             good = _number(value) and 0 <= value <= 1
-            self.guard.need(good, f"score gave {_told(value)} for camera {view.camera}, expected a number in 0..1")
+            self.guard.need(good, f"score gave {_described(value)} for camera {view.camera}, expected a number in 0..1")
         return {view.camera: float(scores[view.camera]) for view in views}
 
 
 class OcclusionGuard(Guard):
+    """Of a `OcclusionDetector`: something that has a `score`."""
+
     def scorer(self, aligned: AlignedPose, samples: Sequence[Sequence[AlignedView]]) -> ScorerGuard:
         scorer = self.call("scorer", read_only(aligned), _Samples(samples, range(len(samples))))
-        self.need(callable(getattr(scorer, "score", None)), f"scorer gave {_told(scorer)}, which has no score")
+        self.need(callable(getattr(scorer, "score", None)), f"scorer gave {_described(scorer)}, which has no score")
         return ScorerGuard(self, scorer)
 
 
 class SelectorGuard(Guard):
+    """Of a `Selector`: shots of known cameras that tile the programme, none shorter than it promises."""
+
     @property
     def min_shot_s(self) -> float:
         """The minimum shot length that the selector promises, in seconds; `MIN_SHOT_S` where it promises none."""
         promised = getattr(self.does, "min_shot_s", MIN_SHOT_S)
         good = _number(promised) and promised >= 0
-        self.need(good, f"min_shot_s is {_told(promised)}, expected seconds of 0 or more")
+        self.need(good, f"min_shot_s is {_described(promised)}, expected seconds of 0 or more")
         return float(promised)
 
     def select(self, table: ScoreTable, *, frames: int, rate: Fraction) -> tuple[Shot, ...]:
@@ -265,6 +305,8 @@ class SelectorGuard(Guard):
 
 
 class CentererGuard(Guard):
+    """Of a `Centerer`: keys in order, within the programme, no shift larger than it."""
+
     def centre(
         self, positions: Sequence[FieldPosition], *, size: tuple[int, int], rate: float
     ) -> tuple[CenteringKey, ...]:
@@ -274,7 +316,7 @@ class CentererGuard(Guard):
         made: list[CenteringKey] = []
         for key in keys:
             good = isinstance(key, Sequence) and len(key) == 3 and all(_number(value) for value in key)
-            self.need(good, f"centre gave {_told(key)}, expected (frame, dx, dy)")
+            self.need(good, f"centre gave {_described(key)}, expected (frame, dx, dy)")
             frame, dx, dy = int(key[0]), float(key[1]), float(key[2])
             self.need(frame == key[0] and 0 <= frame < frames, f"centre gave a key at {key[0]} of {frames} frames")
             self.need(not made or frame > made[-1][0], f"centre gave the keys' frames out of order at {frame}")
@@ -303,13 +345,15 @@ class _FrozenContext:
 
 
 class FillerGuard(Guard):
+    """Of a `Filler`: a picture of the programme's size."""
+
     @property
     def version(self) -> int:
-        return self.does.version
+        return self.implementation.version
 
     @property
     def remembers(self) -> bool:
-        return self.does.remembers
+        return self.implementation.remembers
 
     def fill(self, context: FillContext) -> Planes:
         shown = _FrozenContext(context)

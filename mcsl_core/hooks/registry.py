@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from importlib import metadata
 from typing import Any
@@ -15,17 +15,32 @@ from mcsl_core import __version__
 from mcsl_core.edl import Edl
 from mcsl_core.errors import PluginError, UsageError
 from mcsl_core.filling.protocol import Filler
-from mcsl_core.hooks import builtin as default_plugins
 from mcsl_core.progress import Progress
 
-from .guards import GUARDS, Watch
+from . import builtin
+from .guards import GUARDS
 from .specs import PROJECT, Hooks
-from .stages import STAGES
+from .stages import STAGES, Stage
+from .watch import Watch
 
 
 @frozen(eq=False)
 class Offer:
-    """One named object of one package. watch: who is told how long it takes."""
+    """One named object of one package.
+
+    Attributes
+    ----------
+    stage : str
+        The stage it does; see `STAGES`.
+    name : str
+        By which it is chosen.
+    package, version : str
+        Where it comes from.
+    implementation : object
+        What the package registered.
+    watch : Watch, optional
+        Who is told how long it takes.
+    """
 
     stage: str
     name: str
@@ -36,11 +51,11 @@ class Offer:
 
     @cached_property
     def checked(self) -> Any:
-        """The object as the pipeline calls it: what goes in, what comes out and what it raises is looked after."""
+        """The object as the pipeline calls it, behind its stage's checks; see `guards`."""
         return GUARDS[self.stage](self.implementation, self.stage, str(self), self.package, self.watch)
 
     def prepare(self) -> None:
-        """Has the object load what it needs, where it can: what is missing is told before long work begins."""
+        """Have the object load what it needs, where it can: what is missing is told before long work begins."""
         if callable(getattr(self.implementation, "prepare", None)):
             self.checked.call("prepare")
 
@@ -61,7 +76,24 @@ class Plugins:
     offers: tuple[Offer, ...]
 
     def choose(self, stage: str, name: str | None = None) -> Offer:
-        """The offer of that name (the default's without one); UsageError that lists what there is."""
+        """Choose the object for a stage.
+
+        Parameters
+        ----------
+        stage : str
+            See `STAGES`.
+        name : str, optional
+            The object's; the stage's default without.
+
+        Returns
+        -------
+        Offer
+
+        Raises
+        ------
+        UsageError
+            Where nothing has that name; lists what there is.
+        """
         name = name or STAGES[stage].default
         for offer in self.offers:
             if (offer.stage, offer.name) == (stage, name):
@@ -74,9 +106,23 @@ class Plugins:
 
 
 def filler_of(edl: Edl, progress: Progress | None = None) -> Filler:
-    """The filler that the EDL was made with, the default's where it does not say.
+    """The filler that an EDL was made with, the default where it does not say.
 
-    PluginError names the package to install where the filler is not here. progress: where it is told that it is slow.
+    Parameters
+    ----------
+    edl : Edl
+        The programme.
+    progress : Progress, optional
+        Where it is told that the filler is slow.
+
+    Returns
+    -------
+    Filler
+
+    Raises
+    ------
+    PluginError
+        Names the package to install where the filler is not here.
     """
     offer = filler_offer(edl)
     if progress is not None:
@@ -85,7 +131,7 @@ def filler_of(edl: Edl, progress: Progress | None = None) -> Filler:
 
 
 def filler_offer(edl: Edl) -> Offer:
-    """See `filler_of`."""
+    """As `filler_of`, the offer itself."""
     made = edl.made_by.plugins.get("filler", "") if edl.made_by else ""
     name, _, package = made.partition(" (")
     try:
@@ -99,11 +145,25 @@ def filler_offer(edl: Edl) -> Offer:
 
 
 def discover(extra: Sequence[tuple[object, str, str]] = (), *, entry_points: bool = True) -> Plugins:
-    """The built-ins, the plugins installed under the entry-point group ``mcsl``, and ``extra`` ones.
+    """Everything on offer: the built-ins, the plugins installed under the entry-point group ``mcsl``, and extra ones.
 
-    extra: (module or object with hook functions, package, version). PluginError names what is wrong with whom.
+    Parameters
+    ----------
+    extra : sequence of (object, str, str)
+        Module or object with hook functions, its package and version.
+    entry_points : bool
+        Whether installed plugins are found.
+
+    Returns
+    -------
+    Plugins
+
+    Raises
+    ------
+    PluginError
+        Names what is wrong with whom, for instance two objects of one name.
     """
-    sources: list[tuple[object, str, str]] = [(default_plugins, "mcsl", __version__)]
+    sources: list[tuple[object, str, str]] = [(builtin, "mcsl", __version__)]
     if entry_points:
         sources += [_loaded(point) for point in sorted(metadata.entry_points(group=PROJECT), key=lambda p: p.name)]
     offers: dict[tuple[str, str], Offer] = {}
@@ -143,32 +203,43 @@ def _offers(source: object, package: str, version: str) -> list[Offer]:
         manager.check_pending()
     except pluggy.PluginValidationError as error:
         raise PluginError(str(error), where=who, remedy="Its hooks must be those of docs/hooks.md") from error
-    found = []
-    for stage, kind in STAGES.items():
-        try:
-            results = getattr(manager.hook, kind.hook)()
-        except Exception as error:
-            raise PluginError(
-                f"{kind.hook} failed: {type(error).__name__}: {error}", where=who, remedy="Repair or uninstall it"
-            ) from error
-        for result in results:
-            if not isinstance(result, Sequence):
-                raise PluginError(f"{kind.hook} returned {result!r}", where=who, remedy="It must return a list")
-        for implementation in (item for result in results for item in result):
-            if isinstance(implementation, type):
-                raise PluginError(
-                    f"{kind.hook} offers the class {implementation.__qualname__}",
-                    where=who,
-                    remedy=f"It must offer objects: {implementation.__qualname__}()",
-                )
-            name = getattr(implementation, "name", None)
-            lacking = [m for m in kind.methods if not callable(getattr(implementation, m, None))]
-            lacking += [v for v in kind.numbers if not isinstance(getattr(implementation, v, None), int)]
-            if not isinstance(name, str) or not name or lacking:
-                raise PluginError(
-                    f"{kind.hook} offers {implementation!r}, which lacks {', '.join(lacking) or 'a name'}",
-                    where=who,
-                    remedy="See the protocol in docs/hooks.md",
-                )
-            found.append(Offer(stage, name, package, version, implementation))
-    return found
+    return [
+        Offer(stage, _name(implementation, kind, who), package, version, implementation)
+        for stage, kind in STAGES.items()
+        for implementation in _registered(manager, kind, who)
+    ]
+
+
+def _registered(manager: pluggy.PluginManager, kind: Stage, who: str) -> Iterator[object]:
+    """The objects that a plugin's hook for one stage returns."""
+    try:
+        results = getattr(manager.hook, kind.hook)()
+    except Exception as error:
+        raise PluginError(
+            f"{kind.hook} failed: {type(error).__name__}: {error}", where=who, remedy="Repair or uninstall it"
+        ) from error
+    for result in results:
+        if not isinstance(result, Sequence):
+            raise PluginError(f"{kind.hook} returned {result!r}", where=who, remedy="It must return a list")
+    for result in results:
+        yield from result
+
+
+def _name(implementation: object, kind: Stage, who: str) -> str:
+    """The object's name; it must be an object, and have one and all else that its stage needs."""
+    if isinstance(implementation, type):
+        raise PluginError(
+            f"{kind.hook} offers the class {implementation.__qualname__}",
+            where=who,
+            remedy=f"It must offer objects: {implementation.__qualname__}()",
+        )
+    name = getattr(implementation, "name", None)
+    lacking = [method for method in kind.methods if not callable(getattr(implementation, method, None))]
+    lacking += [number for number in kind.numbers if not isinstance(getattr(implementation, number, None), int)]
+    if not isinstance(name, str) or not name or lacking:
+        raise PluginError(
+            f"{kind.hook} offers {implementation!r}, which lacks {', '.join(lacking) or 'a name'}",
+            where=who,
+            remedy="See the protocol in docs/hooks.md",
+        )
+    return name

@@ -1,7 +1,7 @@
-"""Curves and stretches over time as shapes of an SVG that is stretched to whatever width the page has.
+"""Curves and ranges over time as shapes of an SVG that is scaled to whatever width the page has.
 
 x runs from 0 at the programme's first frame to `WIDTH` at its end, y from 0 at the top to `HEIGHT`. The SVG holds no
-text: a stretched letter is a broken one, so the page writes labels beside it, and positions are per cent.
+text: letters scaled in one direction are broken ones, so the page writes labels beside it, and positions are per cent.
 """
 
 from __future__ import annotations
@@ -21,7 +21,17 @@ _MOST_TICKS = 5  # so many times fit side by side on a phone
 
 @frozen
 class Bar:
-    """A stretch of time: left edge and width in the SVG's units, ``group`` for its look, ``title`` for the reader."""
+    """A range of time.
+
+    Attributes
+    ----------
+    x, width : str
+        Left edge and width in the SVG's units.
+    group : str
+        The CSS class it is drawn by.
+    title : str
+        What the reader is told.
+    """
 
     x: str
     width: str
@@ -31,31 +41,63 @@ class Bar:
 
 @frozen
 class Tick:
-    """A label at ``at`` per cent along an axis."""
+    """A label ``at`` so many per cent along an axis."""
 
     at: str
     text: str
 
 
-def number(value: float) -> str:
+def coordinate(value: float) -> str:
     """A coordinate: two decimals, no trailing noughts, the same on every machine."""
     return f"{value:.2f}".rstrip("0").rstrip(".") or "0"
 
 
-def place(frame: float, frames: int) -> float:
+def x_of(frame: float, frames: int) -> float:
+    """Where a programme frame lies across, of ``frames`` in all."""
     return WIDTH * frame / frames
 
 
 def bar(start: int, stop: int, frames: int, group: str, title: str) -> Bar:
-    """Frames [start, stop) as a bar, at least wide enough to be seen."""
-    width = max(place(stop - start, frames), 1.5)
-    return Bar(number(min(place(start, frames), WIDTH - width)), number(width), group, title)
+    """A range of frames as a bar, at least wide enough to be seen.
+
+    Parameters
+    ----------
+    start, stop : int
+        Programme frames, half-open.
+    frames : int
+        The programme's length.
+    group, title : str
+        As of `Bar`.
+
+    Returns
+    -------
+    Bar
+    """
+    width = max(x_of(stop - start, frames), 1.5)
+    return Bar(coordinate(min(x_of(start, frames), WIDTH - width)), coordinate(width), group, title)
 
 
 def binned(
     frames: NDArray[np.int64], values: NDArray[np.float64], total: int, *, keep: str = "mean"
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """At most `BINS` (frame, value) of a curve; NaN where a bin has no data. keep: "mean", "min" or "max" of each."""
+    """A curve by at most `BINS` points.
+
+    Parameters
+    ----------
+    frames : (S,) int64
+        Programme frames of the samples.
+    values : (S,) float64
+        NaN where there is no data.
+    total : int
+        The programme's length in frames.
+    keep : {"mean", "min", "max"}
+        What is kept of each bin.
+
+    Returns
+    -------
+    frames, values : (N,) float64
+        NaN where a bin has no data.
+    """
     if len(frames) <= BINS:
         return frames.astype(np.float64), values
     position = np.minimum(frames * BINS // total, BINS - 1)
@@ -71,33 +113,42 @@ def binned(
     return x[there], y[there]
 
 
-def line(
+def curve_path(
     x: NDArray[np.float64], y: NDArray[np.float64], total: int, lowest: float, highest: float, *, closed: bool = False
 ) -> str:
-    """The SVG path of a curve between ``lowest`` (bottom) and ``highest`` (top); it breaks where there is no data.
+    """The SVG path of a curve; it breaks where there is no data.
 
-    closed: down to the bottom at both ends, for filling.
+    Parameters
+    ----------
+    x, y : (N,) float64
+        Programme frames and values; NaN where there is no data.
+    total : int
+        The programme's length in frames.
+    lowest, highest : float
+        Values at the bottom and at the top.
+    closed : bool
+        Down to the bottom at both ends, for filling.
+
+    Returns
+    -------
+    str
+        The ``d`` of a path; empty without data.
     """
     scale = HEIGHT / (highest - lowest)
-    runs: list[list[str]] = [[]]
-    ends: list[list[float]] = [[]]
+    runs: list[list[tuple[float, float]]] = [[]]
     for frame, value in zip(x, y, strict=True):
         if math.isnan(value):
             runs.append([])
-            ends.append([])
-            continue
-        at = place(frame, total)
-        runs[-1].append(f"{number(at)} {number(HEIGHT - scale * (min(max(value, lowest), highest) - lowest))}")
-        ends[-1].append(at)
-    made = []
-    for run, at in zip(runs, ends, strict=True):
-        if not run:
-            continue
-        if len(run) == 1:  # a point alone would be invisible
-            run, at = [run[0], f"{number(at[0] + 1)} {run[0].split()[1]}"], [at[0], at[0] + 1]
-        path = "M" + "L".join(run)
-        made.append(path + f"L{number(at[-1])} {HEIGHT}L{number(at[0])} {HEIGHT}Z" if closed else path)
-    return "".join(made)
+        else:
+            runs[-1].append((x_of(frame, total), HEIGHT - scale * (min(max(value, lowest), highest) - lowest)))
+    return "".join(_run_path(run, closed) for run in runs if run)
+
+
+def _run_path(run: list[tuple[float, float]], closed: bool) -> str:
+    if len(run) == 1:  # a point alone would be invisible
+        run = [run[0], (run[0][0] + 1, run[0][1])]
+    path = "M" + "L".join(f"{coordinate(x)} {coordinate(y)}" for x, y in run)
+    return path + f"L{coordinate(run[-1][0])} {HEIGHT}L{coordinate(run[0][0])} {HEIGHT}Z" if closed else path
 
 
 def time_ticks(seconds: float) -> list[Tick]:
@@ -105,7 +156,8 @@ def time_ticks(seconds: float) -> list[Tick]:
     step = next((s for s in _STEPS_S if seconds / s <= _MOST_TICKS), _STEPS_S[-1])
     hours = seconds >= 3600
     return [
-        Tick(number(100 * t / seconds), short_time(t, hours=hours)) for t in range(0, math.ceil(0.96 * seconds), step)
+        Tick(coordinate(100 * t / seconds), short_time(t, hours=hours))
+        for t in range(0, math.ceil(0.96 * seconds), step)
     ]
 
 
@@ -118,9 +170,25 @@ def short_time(seconds: float, *, hours: bool = False) -> str:
 
 
 def bounds(values: NDArray[np.float64], thresholds: Sequence[float], *, share: bool) -> tuple[float, float]:
-    """Where a chart's axis begins and ends: a share's is 0 to 1; else from 0 past the threshold and most of the curve.
+    """Where a chart's axis begins and ends.
 
-    A single peak a hundred times as high as the threshold must not flatten what lies about it.
+    Parameters
+    ----------
+    values : (S,) float64
+        The curve; NaN where there is no data.
+    thresholds : sequence of float
+        What is drawn as well.
+    share : bool
+        Whether the values are shares: then 0 to 1.
+
+    Returns
+    -------
+    lowest, highest : float
+
+    Notes
+    -----
+    Else from 0 past the thresholds and most of the curve: a single peak a hundred times as high as the threshold must
+    not flatten what lies about it.
     """
     if share:
         return 0.0, 1.0

@@ -1,4 +1,4 @@
-"""Contact sheets: the raw views above, the programme below, for a person to look at."""
+"""Contact sheets: the cameras' own pictures above, the programme below, for a person to check."""
 
 from __future__ import annotations
 
@@ -23,9 +23,23 @@ PAPER = (32, 32, 32)
 
 
 def contact_sheet(edl: Edl, base: Path, frames: Sequence[int], *, width: int = 1600) -> Picture:
-    """One column per programme frame of ``frames``: the five views small, the chosen one framed, the programme below.
+    """One column per programme frame: the cameras' pictures small, the chosen one framed, the programme below.
 
-    Returns a (H, width, 3) BGR picture.
+    Parameters
+    ----------
+    edl : Edl
+        The programme.
+    base : Path
+        The folder that media paths are relative to.
+    frames : sequence of int
+        Programme frames.
+    width : int
+        Of the sheet, in pixels.
+
+    Returns
+    -------
+    (H, width, 3) uint8
+        BGR.
     """
     footage = Footage(edl.cameras, rate=edl.rate, frames=edl.frames, base=base)
     compositor = Compositor(edl, footage)
@@ -34,12 +48,12 @@ def contact_sheet(edl: Edl, base: Path, frames: Sequence[int], *, width: int = 1
     for frame in frames:
         chosen = next(d.camera for piece, d in resolve(edl) if frame in piece)
         small = (column - GAP * (len(edl.cameras) - 1)) // len(edl.cameras)
-        views = [_view(footage, c.name, frame, small, chosen=c.name == chosen) for c in edl.cameras]
-        height = max(v.shape[0] for v in views)
+        thumbnails = [_thumbnail(footage, c.name, frame, small, chosen=c.name == chosen) for c in edl.cameras]
+        height = max(t.shape[0] for t in thumbnails)
         strip = np.full((height, column, 3), PAPER, np.uint8)
-        for i, view in enumerate(views):
+        for i, thumbnail in enumerate(thumbnails):
             left = i * (small + GAP)
-            strip[: view.shape[0], left : left + view.shape[1]] = view
+            strip[: thumbnail.shape[0], left : left + thumbnail.shape[1]] = thumbnail
         planes = next(iter(compositor.frames(FrameRange(frame, frame + 1))))
         programme = _fitted(planes_to_bgr(planes), column)
         _label(programme, f"{format_time(frame / edl.rate)}  {chosen}", 0.5)
@@ -58,7 +72,7 @@ def save_picture(picture: Picture, path: Path) -> None:
     write_atomic(path, cv2.imencode(path.suffix, picture)[1].tobytes())
 
 
-def _view(footage: Footage, camera: str, frame: int, width: int, *, chosen: bool) -> Picture:
+def _thumbnail(footage: Footage, camera: str, frame: int, width: int, *, chosen: bool) -> Picture:
     found = next(iter(footage.pictures(camera, [frame])))[1]
     size = footage.camera(camera).size
     picture = np.zeros((size[1], size[0], 3), np.uint8) if found is None else found

@@ -8,27 +8,33 @@ import numpy as np
 from attrs import frozen
 
 from mcsl_core.analysis.measurements import Measurements
-from mcsl_core.edl import Camera, Edl, Pose
+from mcsl_core.edl import Camera, Edl, Override
 from mcsl_core.edl.resolve import Decision, resolve
 from mcsl_core.movement.protocol import Curve
 from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.timing import FrameRange
 
-from .charts import Bar, Tick, bar, binned, bounds, line, number, place, short_time, time_ticks
-
-
-@frozen
-class Tile:
-    """A headline figure: the number, what it counts, and a remark."""
-
-    value: str
-    label: str
-    remark: str = ""
+from .charts import Bar, Tick, bar, binned, bounds, coordinate, curve_path, short_time, time_ticks, x_of
+from .headline import Tile, headline
 
 
 @frozen
 class Lane:
-    """A camera over time: its curve of visible field, the same where it is chosen, when it is, and its gaps."""
+    """A camera over time.
+
+    Attributes
+    ----------
+    camera : str
+        Its name.
+    colour : int
+        Its index among the page's colours.
+    chosen, gaps : tuple of Bar
+        When it is shown, and when it has no picture.
+    curve, filled : str
+        SVG paths of its visible field: the line, and the area below; empty where it is not known.
+    share, visible : str
+        How much of the time it is shown, and its mean visible field, in words.
+    """
 
     camera: str
     colour: int
@@ -42,7 +48,19 @@ class Lane:
 
 @frozen
 class MovementChart:
-    """The curve movements were judged by. marks: labels of the y axis, per cent from the bottom."""
+    """The curve that movements were judged by.
+
+    Attributes
+    ----------
+    label : str
+        What it is.
+    curve, threshold : str
+        SVG paths.
+    marks : tuple of Tick
+        Labels of the y axis, per cent from the bottom.
+    cut : bool
+        Whether peaks are higher than the chart.
+    """
 
     label: str
     curve: str
@@ -53,7 +71,7 @@ class MovementChart:
 
 @frozen
 class CameraFit:
-    """A camera in a pose. residual, support: as written; weak: why it is, or empty."""
+    """A camera in a pose: its residual and support as written, and why it is weak, or nothing."""
 
     camera: str
     colour: int
@@ -64,7 +82,7 @@ class CameraFit:
 
 @frozen
 class PoseFacts:
-    """A pose: when, whose perspective, and how every camera was tied in."""
+    """A pose: its number from 1 on, when it is, whose perspective it has, and how every camera was tied in."""
 
     number: int
     start: str
@@ -76,7 +94,21 @@ class PoseFacts:
 
 @frozen
 class ClockFacts:
-    """How a camera's clock stands to the programme's, and its files."""
+    """How a camera's clock stands to the programme's, and its files; all in words, empty where there is nothing to say.
+
+    Attributes
+    ----------
+    camera : str
+        Its name.
+    colour : int
+        Its index among the page's colours.
+    media, size, rate : str
+        Its files, picture size and frame rate.
+    offset, drift, method, confidence : str
+        Of its clock.
+    gaps : str
+        When it has no picture.
+    """
 
     camera: str
     colour: int
@@ -92,7 +124,31 @@ class ClockFacts:
 
 @frozen
 class Facts:
-    """The whole page without its pictures and figures."""
+    """The whole page without its pictures and its steadiness.
+
+    Attributes
+    ----------
+    tiles, verdict
+        See `Headline`.
+    cameras : tuple of (str, int)
+        Each with its index among the page's colours.
+    ticks : tuple of Tick
+        Along the time.
+    programme, overrides, movements, perspectives : tuple of Bar
+        The cameras shown, the editor's overrides, when the lamp moves, where a new perspective begins.
+    override_notes, moves, weak : tuple of str
+        The overrides, the movements and new perspectives, and the weak cameras in words.
+    gaps : bool
+        Whether some camera has gaps.
+    lanes : tuple of Lane
+        By camera.
+    movement : MovementChart or None
+        None where the curve is not known.
+    poses : tuple of PoseFacts
+        In order.
+    clocks : tuple of ClockFacts
+        By camera.
+    """
 
     tiles: tuple[Tile, ...]
     verdict: str
@@ -113,75 +169,78 @@ class Facts:
 
 
 def gather(edl: Edl, measured: Measurements | None) -> Facts:
-    """The facts of an EDL and, where there are any, of what was measured beside it."""
+    """The facts of an EDL.
+
+    Parameters
+    ----------
+    edl : Edl
+        The programme.
+    measured : Measurements or None
+        What the analysis measured beside it, where that is known.
+
+    Returns
+    -------
+    Facts
+    """
     scores = None if measured is None else measured.scores
     colours = {camera.name: index for index, camera in enumerate(edl.cameras)}
     decisions = resolve(edl)
-    cuts = [(a, b) for (_, a), (_, b) in zip(decisions, decisions[1:], strict=False) if a.camera != b.camera]
-    seconds = float(edl.frames / edl.rate)
     times = _Times(edl)
-    shown, best = _visible(edl, scores)
-    weak = [(index, pose, w) for index, pose in enumerate(edl.poses) for w in pose.weak]
-    overridden = sum(len(piece) for piece, d in decisions if d.overridden)
-    moves = len(edl.movements)
-    perspectives = len({p.perspective for p in edl.poses})
-    changes = [b.range.start for a, b in zip(edl.poses, edl.poses[1:], strict=False) if a.perspective != b.perspective]
-    tiles = [
-        Tile(short_time(seconds), "long", f"{edl.size[0]}x{edl.size[1]}, {float(edl.rate):.5g} frames/s"),
-        Tile(str(len(edl.cameras)), _plural(len(edl.cameras), "camera"), f"{edl.reference} is the reference"),
-        Tile(
-            str(moves),
-            _plural(moves, "lamp movement"),
-            "one perspective throughout" if perspectives == 1 else f"{perspectives} perspectives",
-        ),
-        Tile(str(len(cuts)), _plural(len(cuts), "switch", "switches"), _pace(seconds, len(cuts))),
-        Tile(
-            "?" if shown is None else f"{shown:.0%}",
-            "of the field visible",
-            "" if shown is None or not best else f"{min(1.0, shown / best):.0%} of what the best camera shows",
-        ),
-        Tile(
-            str(len({w.camera for _, _, w in weak})),
-            _plural(len({w.camera for _, _, w in weak}), "weak camera"),
-            "every view tied in" if not weak else ", ".join(dict.fromkeys(w.camera for _, _, w in weak)),
-        ),
-    ]
-    if edl.overrides:
-        count = len(edl.overrides)
-        tiles.append(
-            Tile(str(count), _plural(count, "override"), f"{short_time(float(overridden / edl.rate))} by the editor")
-        )
+    first = headline(edl, scores)
     return Facts(
-        tiles=tuple(tiles),
-        verdict=_verdict(edl, shown, best, weak, seconds),
+        tiles=first.tiles,
+        verdict=first.verdict,
         cameras=tuple(colours.items()),
-        ticks=tuple(time_ticks(seconds)),
+        ticks=tuple(time_ticks(float(edl.frames / edl.rate))),
         programme=tuple(
             bar(p.start, p.stop, edl.frames, f"c{colours[d.camera] % 7}", f"{d.camera}, {times.span(p)}")
             for p, d in _joined(decisions)
         ),
-        overrides=tuple(
-            bar(o.range.start, o.range.stop, edl.frames, "override", f"override, {times.span(o.range)}")
-            for o in edl.overrides
-        ),
-        override_notes=tuple(f"{times.span(o.range)}: {_asked(o)}" for o in edl.overrides),
+        overrides=tuple(_bar(edl, o.range, "override", f"override, {times.span(o.range)}") for o in edl.overrides),
+        override_notes=tuple(f"{times.span(o.range)}: {_override_words(o)}" for o in edl.overrides),
         movements=tuple(
-            bar(m.range.start, m.range.stop, edl.frames, "movement", f"the lamp moves, {times.span(m.range)}")
-            for m in edl.movements
+            _bar(edl, m.range, "movement", f"the lamp moves, {times.span(m.range)}") for m in edl.movements
         ),
-        moves=tuple(f"{times.span(m.range, tenths=True)} (confidence {m.confidence:.0%})" for m in edl.movements)
-        + tuple(f"{times.at(start, tenths=True)}: a new perspective begins" for start in changes),
+        moves=_moves(edl, times),
         perspectives=tuple(
             bar(start, start + max(1, edl.frames // 250), edl.frames, "perspective", "new perspective")
-            for start in changes
+            for start in _perspective_starts(edl)
         ),
         gaps=any(c.gaps for c in edl.cameras),
         lanes=tuple(_lane(edl, c, colours[c.name], decisions, scores, times) for c in edl.cameras),
         movement=None if measured is None else _movement(edl, measured.movement),
-        poses=tuple(_pose(edl, i, pose, colours, times) for i, pose in enumerate(edl.poses)),
-        weak=tuple(f"{w.camera}, {times.span(pose.range)}: {w.reason}" for _, pose, w in weak),
+        poses=tuple(_pose(edl, index, colours, times) for index in range(len(edl.poses))),
+        weak=tuple(f"{w.camera}, {times.span(pose.range)}: {w.reason}" for pose in edl.poses for w in pose.weak),
         clocks=tuple(_clock(edl, camera, colours[camera.name], times) for camera in edl.cameras),
     )
+
+
+def colour_bar(shares: Mapping[str, float], colours: Mapping[str, int]) -> tuple[tuple[Bar, ...], str]:
+    """Which cameras the programme's pixels come from.
+
+    Parameters
+    ----------
+    shares : mapping of str to float
+        By camera: share of the pixels, 0..1.
+    colours : mapping of str to int
+        By camera: its index among the page's colours.
+
+    Returns
+    -------
+    bars : tuple of Bar
+        Side by side.
+    words : str
+        The same to read.
+    """
+    bars, at = [], 0.0
+    for name, share in shares.items():
+        width = coordinate(x_of(share, 1))
+        bars.append(Bar(coordinate(x_of(at, 1)), width, f"c{colours[name] % 7}", f"{name} {share:.0%}"))
+        at += share
+    words = [f"{name} {share:.0%}" for name, share in shares.items()]
+    if at < 0.995:
+        words.append(f"no camera {1 - at:.0%}")
+    return tuple(bars), ", ".join(words)
 
 
 class _Times:
@@ -202,32 +261,23 @@ class _Times:
         return f"{self.at(piece.start, tenths=tenths)} to {self.at(piece.stop, tenths=tenths)}"
 
 
-def _plural(count: int, one: str, more: str = "") -> str:
-    return one if count == 1 else more or f"{one}s"
+def _bar(edl: Edl, piece: FrameRange, group: str, title: str) -> Bar:
+    return bar(piece.start, piece.stop, edl.frames, group, title)
 
 
-def _pace(seconds: float, switches: int) -> str:
-    return f"one every {seconds / switches:.0f} s" if switches else "one camera throughout"
+def _perspective_starts(edl: Edl) -> list[int]:
+    """The first frames of the poses in which a new perspective begins."""
+    return [b.range.start for a, b in zip(edl.poses, edl.poses[1:], strict=False) if a.perspective != b.perspective]
 
 
-def _verdict(edl: Edl, shown: float | None, best: float | None, weak: list, seconds: float) -> str:
-    """The page in a sentence or two."""
-    text = f"{short_time(seconds)} from {len(edl.cameras)} cameras, in the perspective of {edl.reference}."
-    if shown is not None and best is not None:
-        text += (
-            f" The views shown leave {shown:.0%} of the surgical field free; the best at every moment would {best:.0%}."
-        )
-    if weak:
-        names = ", ".join(dict.fromkeys(w.camera for _, _, w in weak))
-        text += f" Look at {names}: not tied to the other views everywhere."
-    changes = sum(a.perspective != b.perspective for a, b in zip(edl.poses, edl.poses[1:], strict=False))
-    if changes:
-        text += f" The perspective changes {'once' if changes == 1 else f'{changes} times'}."
-    return text
+def _moves(edl: Edl, times: _Times) -> tuple[str, ...]:
+    moves = [f"{times.span(m.range, tenths=True)} (confidence {m.confidence:.0%})" for m in edl.movements]
+    starts = [f"{times.at(start, tenths=True)}: a new perspective begins" for start in _perspective_starts(edl)]
+    return (*moves, *starts)
 
 
 def _joined(decisions: Sequence[tuple[FrameRange, Decision]]) -> Iterable[tuple[FrameRange, Decision]]:
-    """Stretches of one camera, whatever their look."""
+    """Ranges of one camera, whatever their look."""
     found: list[tuple[FrameRange, Decision]] = []
     for piece, decision in decisions:
         if found and found[-1][1].camera == decision.camera:
@@ -235,25 +285,6 @@ def _joined(decisions: Sequence[tuple[FrameRange, Decision]]) -> Iterable[tuple[
         else:
             found.append((piece, decision))
     return found
-
-
-def _visible(edl: Edl, scores: ScoreTable | None) -> tuple[float | None, float | None]:
-    """Mean visible field of the shown cameras and of the best ones, over the samples in which both are known."""
-    if scores is None or not len(scores.frames):
-        return None, None
-    shown = scores.visible[np.arange(len(scores.frames)), _columns(edl, scores)]
-    known = ~np.isnan(shown)
-    if not known.any():
-        return None, None
-    return float(shown[known].mean()), float(np.nanmax(scores.visible[known], axis=1).mean())
-
-
-def _columns(edl: Edl, scores: ScoreTable) -> np.ndarray:
-    """(S,) the column of the camera that is shown at each sample."""
-    pieces = resolve(edl)
-    starts = np.array([piece.start for piece, _ in pieces])
-    which = np.searchsorted(starts, scores.frames, side="right") - 1
-    return np.array([scores.cameras.index(pieces[i][1].camera) for i in which])
 
 
 def _lane(
@@ -271,8 +302,8 @@ def _lane(
     if scores is not None and camera.name in scores.cameras:
         values = scores.visible[:, scores.cameras.index(camera.name)]
         x, y = binned(scores.frames, values, edl.frames)
-        curve = line(x, y, edl.frames, 0, 1)
-        filled = line(x, y, edl.frames, 0, 1, closed=True)
+        curve = curve_path(x, y, edl.frames, 0, 1)
+        filled = curve_path(x, y, edl.frames, 0, 1, closed=True)
         visible = "" if np.isnan(values).all() else f"{float(np.nanmean(values)):.0%}"
     share = sum(len(p) for p in mine) / edl.frames
     return Lane(camera.name, colour, chosen, gaps, curve, filled, f"{share:.0%}", visible)
@@ -289,32 +320,33 @@ def _movement(edl: Edl, curve: Curve) -> MovementChart | None:
     x, y = binned(curve.frames, curve.values, edl.frames, keep="min" if low else "max")
     tx, ty = binned(curve.frames, curve.threshold, edl.frames)
     marks = [
-        Tick(number(100 * (v - lowest) / (highest - lowest)), _unit(v, curve.unit, share)) for v in (lowest, highest)
+        Tick(coordinate(100 * (v - lowest) / (highest - lowest)), _with_unit(v, curve.unit, share))
+        for v in (lowest, highest)
     ]
     return MovementChart(
         curve.label,
-        line(x, y, edl.frames, lowest, highest),
-        line(tx, ty, edl.frames, lowest, highest),
+        curve_path(x, y, edl.frames, lowest, highest),
+        curve_path(tx, ty, edl.frames, lowest, highest),
         tuple(marks),
         bool(np.nanmax(curve.values) > highest),
     )
 
 
-def _unit(value: float, unit: str, share: bool) -> str:
+def _with_unit(value: float, unit: str, share: bool) -> str:
     return f"{value:.0%}" if share else f"{value:.3g} {unit}".strip()
 
 
-def _asked(override) -> str:
+def _override_words(override: Override) -> str:
     words = [override.camera] if override.camera else []
-    words += [
-        f"{n} {'on' if v else 'off'}"
-        for n in ("centering", "fill", "colour")
-        if (v := getattr(override, n)) is not None
-    ]
+    for name in ("centering", "fill", "colour"):
+        value = getattr(override, name)
+        if value is not None:
+            words.append(f"{name} {'on' if value else 'off'}")
     return ", ".join(words) + (f" ({override.note})" if override.note else "")
 
 
-def _pose(edl: Edl, index: int, pose: Pose, colours: Mapping[str, int], times: _Times) -> PoseFacts:
+def _pose(edl: Edl, index: int, colours: Mapping[str, int], times: _Times) -> PoseFacts:
+    pose = edl.poses[index]
     reasons = {w.camera: w.reason for w in pose.weak}
     fits = []
     for name, colour in colours.items():
@@ -343,16 +375,3 @@ def _clock(edl: Edl, camera: Camera, colour: int, times: _Times) -> ClockFacts:
         "" if reference else f"{clock.confidence:.0%}",
         ", ".join(times.span(g) for g in camera.gaps),
     )
-
-
-def colour_bar(shares: Mapping[str, float], colours: Mapping[str, int]) -> tuple[tuple[Bar, ...], str]:
-    """Shares of the programme's pixels side by side, and in words."""
-    bars, at = [], 0.0
-    for name, share in shares.items():
-        width = number(place(share, 1))
-        bars.append(Bar(number(place(at, 1)), width, f"c{colours[name] % 7}", f"{name} {share:.0%}"))
-        at += share
-    words = [f"{name} {share:.0%}" for name, share in shares.items()]
-    if at < 0.995:
-        words.append(f"no camera {1 - at:.0%}")
-    return tuple(bars), ", ".join(words)

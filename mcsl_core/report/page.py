@@ -15,9 +15,8 @@ from mcsl_core.analysis.measurements import Measurements, load_measurements
 from mcsl_core.documents import write_atomic
 from mcsl_core.edl import Edl, load
 from mcsl_core.errors import Cancelled, McslError
-from mcsl_core.evaluation import results as figures
 from mcsl_core.evaluation.evaluate import evaluate
-from mcsl_core.evaluation.results import Evaluation
+from mcsl_core.evaluation.results import Evaluation, load_evaluation
 from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.progress import Progress, Silent
 
@@ -30,7 +29,7 @@ QUICK_SWITCHES = 40  # half a second of CPU each; their mean is known to a tenth
 
 
 @frozen
-class _Shown:
+class _PoseSection:
     """A pose's pictures with the words and bars that go with them."""
 
     pictures: PosePictures
@@ -52,15 +51,28 @@ class Lacking:
 def write_report(
     edl_path: Path, out: Path, *, figures_path: Path | None = None, progress: Progress | None = None
 ) -> None:
-    """Writes the page on the EDL at ``edl_path`` to ``out``.
+    """Write the page about an EDL.
 
-    figures_path: what `mcsl evaluate --json` wrote; without it the steadiness is measured at up to `QUICK_SWITCHES`
-    switches. InputError where the EDL or the figures cannot be read; missing media or scores are told on the page.
+    Parameters
+    ----------
+    edl_path : Path
+        The EDL.
+    out : Path
+        The page, HTML.
+    figures_path : Path, optional
+        What `mcsl evaluate --json` wrote; without it the steadiness is measured at up to `QUICK_SWITCHES` switches.
+    progress : Progress, optional
+        Where it is told how far it has come.
+
+    Raises
+    ------
+    InputError
+        Where the EDL or the results cannot be read; missing media or scores are told on the page.
     """
     progress = progress or Silent()
     edl = load(edl_path)
     base = edl_path.parent
-    evaluation = None if figures_path is None else figures.load_evaluation(figures_path)
+    evaluation = None if figures_path is None else load_evaluation(figures_path)
     measured, no_scores = _measured(edl, base, progress)
     pictures, no_pictures = _pictures(edl, base, None if measured is None else measured.scores, progress)
     no_figures = ""
@@ -75,7 +87,7 @@ def _measured(edl: Edl, base: Path, progress: Progress) -> tuple[Measurements | 
     if edl.scores is None:
         return None, "The EDL names no scores, so what each camera sees over time is not known."
     if not (base / edl.scores).is_file():
-        return None, _told(f"What each camera sees over time is not known: {edl.scores} is missing.", progress)
+        return None, _noted(f"What each camera sees over time is not known: {edl.scores} is missing.", progress)
     try:
         measured = load_measurements(base / edl.scores)
         lacking = {c.name for c in edl.cameras} - set(measured.scores.cameras)
@@ -84,7 +96,7 @@ def _measured(edl: Edl, base: Path, progress: Progress) -> tuple[Measurements | 
         why = f"{edl.scores}: it lacks {', '.join(sorted(lacking))}"
     except McslError as error:
         why = _short(error, base)
-    return None, _told(f"What each camera sees over time is not known: {why}.", progress)
+    return None, _noted(f"What each camera sees over time is not known: {why}.", progress)
 
 
 def _pictures(
@@ -95,7 +107,7 @@ def _pictures(
     except Cancelled:
         raise
     except McslError as error:
-        return [None] * len(edl.poses), _told(f"The pictures cannot be shown: {_short(error, base)}.", progress)
+        return [None] * len(edl.poses), _noted(f"The pictures cannot be shown: {_short(error, base)}.", progress)
 
 
 def _evaluated(edl: Edl, base: Path, progress: Progress) -> tuple[Evaluation | None, str]:
@@ -104,7 +116,7 @@ def _evaluated(edl: Edl, base: Path, progress: Progress) -> tuple[Evaluation | N
     except Cancelled:
         raise
     except McslError as error:
-        return None, _told(f"The steadiness cannot be measured: {_short(error, base)}.", progress)
+        return None, _noted(f"The steadiness cannot be measured: {_short(error, base)}.", progress)
 
 
 def _short(error: McslError, base: Path) -> str:
@@ -113,7 +125,7 @@ def _short(error: McslError, base: Path) -> str:
     return text.replace(f"{base}/", "").rstrip(".")
 
 
-def _told(text: str, progress: Progress) -> str:
+def _noted(text: str, progress: Progress) -> str:
     progress.note(text)
     return text
 
@@ -136,7 +148,7 @@ def page(
             continue
         bars, words = colour_bar(taken.shares, colours)
         left_out = ", ".join(w.camera for w in pose.weak if w.camera not in pose.homographies)
-        shown.append(_Shown(taken, short_time(float(taken.frame / edl.rate)), bars, words, left_out))
+        shown.append(_PoseSection(taken, short_time(float(taken.frame / edl.rate)), bars, words, left_out))
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("mcsl_core.report", "."),
         autoescape=True,

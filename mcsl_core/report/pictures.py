@@ -1,4 +1,4 @@
-"""The report's pictures: the views of each pose laid over each other before and after alignment, and the programme.
+"""The report's pictures: each pose's cameras laid over each other before and after alignment, and the programme.
 
 Pictures are BGR, (H, W, 3) uint8, and go into the page as data: it fetches nothing.
 """
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.compositing.coverage import Coverage
 from mcsl_core.compositing.placement import programme_matrix
-from mcsl_core.compositing.proxy import reduced, reduced_filler, reduced_size
+from mcsl_core.compositing.proxy import proxy_edl, proxy_filler, proxy_size
 from mcsl_core.edl import Edl, Pose
 from mcsl_core.edl.placement import placement_matrix
 from mcsl_core.edl.resolve import resolve
@@ -37,10 +37,23 @@ Picture = NDArray[np.uint8]
 
 @frozen
 class PosePictures:
-    """One pose at one moment, as data URLs. views: how many cameras lie in ``after``.
+    """One pose at one frame.
 
-    shares: camera -> share of the programme's pixels that come from it, the chosen ``camera``'s first; what no camera
-    sees is missing to 1.
+    Attributes
+    ----------
+    frame : int
+        The programme frame.
+    camera : str
+        The chosen camera.
+    before, after, programme : str
+        The pictures as data URLs.
+    views : int
+        How many cameras lie in ``after``.
+    size : (int, int)
+        Width and height of the pictures.
+    shares : mapping of str to float
+        By camera: share of the programme's pixels that come from it, the chosen one's first; pixels that no camera
+        covers are missing to 1.
     """
 
     frame: int
@@ -54,29 +67,61 @@ class PosePictures:
 
 
 def pose_pictures(edl: Edl, base: Path, scores: ScoreTable | None, progress: Progress) -> list[PosePictures | None]:
-    """The pictures of every pose, decoded from the footage; None for a pose in which no camera has a picture.
+    """The pictures of every pose.
 
-    Raises what reading raises.
+    Parameters
+    ----------
+    edl : Edl
+        The programme.
+    base : Path
+        The folder that media paths are relative to.
+    scores : ScoreTable or None
+        The visible field of each camera over time, if it is known; see `clearest`.
+    progress : Progress
+        Where it is told how far it has come.
+
+    Returns
+    -------
+    list of PosePictures or None
+        None for a pose in which no camera has a picture.
+
+    Raises
+    ------
+    McslError
+        Whatever reading the media raises.
     """
-    size = reduced_size(edl.size, WIDTH)
-    small = reduced(edl, size)
+    size = proxy_size(edl.size, WIDTH)
+    small = proxy_edl(edl, size)
     footage = Footage(small.cameras, rate=edl.rate, frames=edl.frames, base=base)
-    compositor = Compositor(small, footage, filler=reduced_filler(edl, size))
-    coverage = Coverage(small, footage, filler=reduced_filler(edl, size))
+    compositor = Compositor(small, footage, filler=proxy_filler(edl, size))
+    coverage = Coverage(small, footage, filler=proxy_filler(edl, size))
     made: list[PosePictures | None] = []
     progress.stage("Taking the report's pictures", len(edl.poses), "poses")
     with closing(compositor):
-        for number, pose in enumerate(small.poses):
+        for index, pose in enumerate(small.poses):
             frame = clearest(pose, scores)
-            views = {c.name: compositor.picture(c.name, frame) for c in small.cameras}
-            pictures = {name: planes_to_bgr(planes) for name, planes in views.items() if planes is not None}
+            planes = {c.name: compositor.picture(c.name, frame) for c in small.cameras}
+            pictures = {name: planes_to_bgr(own) for name, own in planes.items() if own is not None}
             made.append(_of_pose(small, pose, frame, pictures, compositor, coverage) if pictures else None)
-            progress.advance(number + 1)
+            progress.advance(index + 1)
     return made
 
 
 def clearest(pose: Pose, scores: ScoreTable | None) -> int:
-    """The frame the pose is shown at: of those it was solved from, the one in which the cameras see most together."""
+    """The frame a pose is shown at: of those it was solved from, the one in which the cameras see most together.
+
+    Parameters
+    ----------
+    pose : Pose
+        The pose.
+    scores : ScoreTable or None
+        The visible field of each camera over time; without it, the middle one of the frames.
+
+    Returns
+    -------
+    int
+        A programme frame of the pose.
+    """
     candidates = pose.solved_from or ((pose.range.start + pose.range.stop) // 2,)
     inside = [frame for frame in candidates if frame in pose.range] or [(pose.range.start + pose.range.stop) // 2]
     if scores is None or not len(scores.frames):
@@ -113,8 +158,22 @@ def _of_pose(
 
 
 def superimposed(pictures: Mapping[str, Picture], matrices: Mapping[str, NDArray], size: tuple[int, int]) -> Picture:
-    """The mean of the views that cover each pixel, each through its matrix (picture pixel -> programme pixel); what
-    agrees stays sharp. matrices: only the views named there are laid over each other."""
+    """Pictures laid over each other: the mean at each pixel, so that what agrees stays sharp.
+
+    Parameters
+    ----------
+    pictures : mapping of str to (h, w, 3) uint8
+        By camera, BGR.
+    matrices : mapping of str to (3, 3) float64
+        By camera: picture pixel -> programme pixel; only the cameras named here are used.
+    size : (int, int)
+        Width and height of the programme.
+
+    Returns
+    -------
+    (H, W, 3) uint8
+        Black where no picture reaches.
+    """
     total = np.zeros((size[1], size[0], 3), np.float32)
     weight = np.zeros((size[1], size[0]), np.float32)
     for name in matrices:

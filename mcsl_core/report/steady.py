@@ -6,12 +6,12 @@ from collections.abc import Mapping
 
 from attrs import frozen
 
-from mcsl_core.evaluation.results import FIGURES, Evaluation, Measured, Steadiness
+from mcsl_core.evaluation.results import MEASURES, Evaluation, Measured, Steadiness
 
 
 @frozen
 class SteadyRow:
-    """A variant's figures as written; "-" where there is none."""
+    """A variant's results as written; "-" where there is none."""
 
     label: str
     cells: tuple[str, ...]
@@ -19,7 +19,17 @@ class SteadyRow:
 
 @frozen
 class SteadyFacts:
-    """The figures for the page: at the switches, and over the whole programme where that was measured."""
+    """The results for the page.
+
+    Attributes
+    ----------
+    switches, whole : tuple of SteadyRow
+        At the switches, and over the whole programme where that was measured.
+    told : str
+        What the alignment changed, in a sentence; empty where that is not known.
+    conditions : tuple of str
+        How it was measured.
+    """
 
     switches: tuple[SteadyRow, ...]
     whole: tuple[SteadyRow, ...]
@@ -46,7 +56,7 @@ def steady_facts(evaluation: Evaluation) -> SteadyFacts:
 
 
 def _cells(means: Steadiness) -> tuple[str, ...]:
-    values = [getattr(means, name) for name in FIGURES]
+    values = [getattr(means, name) for name in MEASURES]
     return tuple("-" if value is None else f"{value:.1f}" for value in values)
 
 
@@ -55,7 +65,7 @@ def _steady_words(rows: Mapping[str, Measured], width: int) -> str:
     if not {"no", "auto"} <= rows.keys():
         return ""
     for what, name in (("field", "av_speed_field_px"), ("picture", "av_speed_px")):
-        no, auto = (getattr(rows[variant].switches, name) for variant in ("no", "auto"))
+        no, auto = getattr(rows["no"].switches, name), getattr(rows["auto"].switches, name)
         if no is not None and auto is not None:
             return (
                 f"At a switch the {what} jumps by {auto:.1f} pixels of {width} on average; "

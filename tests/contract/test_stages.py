@@ -1,7 +1,8 @@
 """One contract per hook, run over every implementation that is installed: the built-ins, every plugin, and those that
 docs/hooks.md shows. As the pipeline does, through the guards.
 
-What is promised in `hookspecs.py` is checked with pictures that nobody's implementation was written for.
+What the stages' protocols promise is checked with pictures that nobody's implementation was written for; of fillers in
+test_fillers.py.
 """
 
 from __future__ import annotations
@@ -14,38 +15,21 @@ import attrs
 import cv2
 import numpy as np
 import pytest
-from hooks_page import shown_plugins
 from lamp_video import write_lamp
+from stage_offers import offers
 
 from mcsl_core.alignment.aligned_views import AlignedPose
 from mcsl_core.alignment.correspondences import Correspondences
 from mcsl_core.alignment.protocol import Alignment
 from mcsl_core.centering.protocol import FieldPosition
-from mcsl_core.compositing.compositor import Compositor
-from mcsl_core.edl import Camera, Edl, Look, Media, Pose, Shot
 from mcsl_core.hooks.registry import Offer, discover
+from mcsl_core.hooks.stages import STAGES
 from mcsl_core.imaging.geometry import transform_points
-from mcsl_core.imaging.planes import Planes
-from mcsl_core.media.writing import Encoding, VideoWriter
 from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.progress import Silent
 from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.sample_store import SampleStore
 from mcsl_core.timing import FrameRange, check_tiles
-
-ALL = discover(shown_plugins()).offers
-
-
-def offers(stage: str):
-    """One test for each plugin of a stage; skipped where it says that libraries it needs are not installed."""
-    return pytest.mark.parametrize(
-        "offer", [pytest.param(o, id=o.name, marks=lacking(o)) for o in ALL if o.stage == stage]
-    )
-
-
-def lacking(offer: Offer) -> list[pytest.MarkDecorator]:
-    missing = getattr(offer.implementation, "missing", list)()
-    return [pytest.mark.skip(reason=f"{offer} needs {', '.join(missing)}")] if missing else []
 
 
 def cloth(seed: int, size: tuple[int, int] = (480, 270)) -> np.ndarray:
@@ -94,7 +78,7 @@ def test_movement_detectors_find_what_moves_and_nothing_else(offer: Offer, lamp_
 
 @offers("movement")
 @pytest.mark.parametrize("seconds", [0.2, 1.5])
-def test_movement_detectors_take_a_recording_of_one_or_two_looks(offer: Offer, tmp_path, seconds: float) -> None:
+def test_movement_detectors_take_a_recording_of_one_or_two_samples(offer: Offer, tmp_path, seconds: float) -> None:
     footage = write_lamp(tmp_path, lambda t: 0.0, seconds=seconds)
     with closing(SampleStore.record(footage, tmp_path / "samples", Silent())) as samples:
         assert offer.checked.detect(samples, footage, Silent()).movements == ()
@@ -102,7 +86,7 @@ def test_movement_detectors_take_a_recording_of_one_or_two_looks(offer: Offer, t
 
 @offers("matcher")
 @pytest.mark.parametrize("turn_deg", [0, 30, 72, 144])
-def test_matchers_find_the_same_places(offer: Offer, turn_deg: float) -> None:
+def test_matchers_find_the_same_points(offer: Offer, turn_deg: float) -> None:
     matcher = offer.checked
     picture = cloth(3)
     turn = np.vstack([cv2.getRotationMatrix2D((240, 135), turn_deg, 0.9), [0, 0, 1]])
@@ -146,7 +130,7 @@ def lamp_cameras(size: tuple[int, int]) -> dict[str, np.ndarray]:
     return cameras
 
 
-class ReliefScene:
+class ReliefField:
     """A surgical field with 3 cm of relief on drapes 3 cm below, its true places and the matches of all camera pairs.
 
     Found to 0.4 px, a tenth of them false. Nothing here is shared with any aligner.
@@ -185,24 +169,24 @@ class ReliefScene:
         return float(rms[0] / rms[1])
 
 
-def aligned(offer: Offer, scene: ReliefScene, reference: str) -> Alignment:
-    return offer.checked.align(scene.pairs, scene.sizes, reference)
+def aligned(offer: Offer, relief: ReliefField, reference: str) -> Alignment:
+    return offer.checked.align(relief.pairs, relief.sizes, reference)
 
 
 @offers("aligner")
 @pytest.mark.parametrize(("seed", "reference"), [(1, "cam1"), (2, "cam3")])
 def test_aligners_lay_the_views_by_the_plane_of_the_field(offer: Offer, seed: int, reference: str) -> None:
     """The best plane is each camera's own; one plane in space for all, through the true places, leaves up to 1.13 times
-    its error in these scenes."""
-    scene = ReliefScene(seed)
-    result = aligned(offer, scene, reference)
-    assert set(result.homographies) == set(scene.cameras)
+    its error in these fields."""
+    relief = ReliefField(seed)
+    result = aligned(offer, relief, reference)
+    assert set(result.homographies) == set(relief.cameras)
     assert result.weak == ()
     np.testing.assert_array_equal(result.homographies[reference], np.eye(3))
-    for camera in set(scene.cameras) - {reference}:
+    for camera in set(relief.cameras) - {reference}:
         homography = result.homographies[camera]
         assert homography[2, 2] == pytest.approx(1)
-        assert scene.error_over_best(camera, homography, reference) < 1.15
+        assert relief.error_over_best(camera, homography, reference) < 1.15
         assert 0.4 < result.residual_px[camera] < 20
         assert result.support[camera] > 100
 
@@ -210,19 +194,19 @@ def test_aligners_lay_the_views_by_the_plane_of_the_field(offer: Offer, seed: in
 @offers("aligner")
 def test_aligners_name_the_cameras_that_cannot_be_tied_in(offer: Offer) -> None:
     """One camera that nothing matches, one whose matches are all chance; the others are tied as if they were not."""
-    scene = ReliefScene(3)
+    relief = ReliefField(3)
     rng = np.random.default_rng(4)
-    scene.sizes |= {"cam6": (960, 540), "cam7": (640, 360)}
-    for camera in scene.cameras:
+    relief.sizes |= {"cam6": (960, 540), "cam7": (640, 360)}
+    for camera in relief.cameras:
         chance = (rng.uniform(0, (960, 540), (200, 2)), rng.uniform(0, (640, 360), (200, 2)))
-        scene.pairs[camera, "cam7"] = Correspondences(*chance, np.ones(200), np.ones(200, np.int64))
-    result = aligned(offer, scene, "cam1")
+        relief.pairs[camera, "cam7"] = Correspondences(*chance, np.ones(200), np.ones(200, np.int64))
+    result = aligned(offer, relief, "cam1")
     assert {w.camera for w in result.weak} == {"cam6", "cam7"}
     assert all(len(w.reason) > 20 for w in result.weak)
-    assert set(result.homographies) == set(scene.cameras)
-    assert set(result.residual_px) == set(result.support) == set(scene.cameras) - {"cam1"}
-    for camera in set(scene.cameras) - {"cam1"}:
-        assert scene.error_over_best(camera, result.homographies[camera], "cam1") < 1.15
+    assert set(result.homographies) == set(relief.cameras)
+    assert set(result.residual_px) == set(result.support) == set(relief.cameras) - {"cam1"}
+    for camera in set(relief.cameras) - {"cam1"}:
+        assert relief.error_over_best(camera, result.homographies[camera], "cam1") < 1.15
 
 
 @offers("aligner")
@@ -237,40 +221,40 @@ def test_aligners_say_that_nothing_matches(offer: Offer) -> None:
 
 @offers("aligner")
 def test_aligners_say_the_same_again_and_leave_what_they_are_handed(offer: Offer) -> None:
-    scene, same = ReliefScene(5), ReliefScene(5)
-    first, second = (aligned(offer, scene, "cam2") for _ in range(2))
+    relief, same = ReliefField(5), ReliefField(5)
+    first, second = (aligned(offer, relief, "cam2") for _ in range(2))
     for camera, homography in first.homographies.items():
         np.testing.assert_array_equal(homography, second.homographies[camera])
     assert (first.residual_px, first.support, first.weak) == (second.residual_px, second.support, second.weak)
-    assert scene.sizes == same.sizes
-    for key, pair in scene.pairs.items():
+    assert relief.sizes == same.sizes
+    for key, pair in relief.pairs.items():
         for column in ("a", "b", "weight", "seen"):
             np.testing.assert_array_equal(getattr(pair, column), getattr(same.pairs[key], column))
 
 
-def field_scene() -> tuple[AlignedPose, np.ndarray]:
-    """A red field on green cloth seen alike by three cameras; (scene, picture)."""
+def field_seen_alike() -> tuple[AlignedPose, np.ndarray]:
+    """A red field on green cloth seen alike by three cameras; (aligned pose, picture)."""
     size = (480, 270)
     field = np.zeros((270, 480), np.uint8)
     cv2.ellipse(field, (240, 135), (110, 70), 0, 0, 360, 1, -1)
     picture = cloth(5)
     picture[field > 0] = (50, 60, 190) + (cloth(6)[field > 0] // 8)
     cameras = ("cam1", "cam2", "cam3")
-    scene = AlignedPose(size, "cam1", {c: np.eye(3) for c in cameras}, dict.fromkeys(cameras, size), field.astype(bool))
-    return scene, picture
+    pose = AlignedPose(size, "cam1", {c: np.eye(3) for c in cameras}, dict.fromkeys(cameras, size), field.astype(bool))
+    return pose, picture
 
 
 @offers("occlusion")
 def test_detectors_see_less_where_more_is_hidden(offer: Offer) -> None:
-    scene, picture = field_scene()
-    clear = scene.views({"cam1": picture, "cam2": picture, "cam3": picture})
-    scorer = offer.checked.scorer(scene, [clear] * 3)
+    pose, picture = field_seen_alike()
+    clear = pose.views({"cam1": picture, "cam2": picture, "cam3": picture})
+    scorer = offer.checked.scorer(pose, [clear] * 3)
     seen = []
     for hidden in (0, 40, 90, 150, 220):
-        covered = picture.copy()
-        cv2.rectangle(covered, (130, 60), (130 + hidden, 210), (120, 90, 30), -1)  # a blue sleeve
-        pictures = {"cam1": picture.copy(), "cam2": covered, "cam3": picture.copy()}
-        views = scene.views(pictures)
+        occluded = picture.copy()
+        cv2.rectangle(occluded, (130, 60), (130 + hidden, 210), (120, 90, 30), -1)  # a blue sleeve
+        pictures = {"cam1": picture.copy(), "cam2": occluded, "cam3": picture.copy()}
+        views = pose.views(pictures)
         before = [v.aligned.copy() for v in views]
         scores = scorer.score(views)
         assert set(scores) == {"cam1", "cam2", "cam3"}
@@ -286,11 +270,11 @@ def test_detectors_see_less_where_more_is_hidden(offer: Offer) -> None:
 
 
 @offers("occlusion")
-def test_detectors_take_a_moment_with_one_camera(offer: Offer) -> None:
-    scene, picture = field_scene()
-    views = scene.views({"cam1": picture, "cam2": None, "cam3": None})
-    for moments in ([views], []):
-        scores = offer.checked.scorer(scene, moments).score(views)
+def test_detectors_take_a_sample_of_one_camera(offer: Offer) -> None:
+    pose, picture = field_seen_alike()
+    views = pose.views({"cam1": picture, "cam2": None, "cam3": None})
+    for samples in ([views], []):
+        scores = offer.checked.scorer(pose, samples).score(views)
         assert set(scores) == {"cam1"}
 
 
@@ -332,70 +316,5 @@ def test_centerers_leave_a_recording_without_a_field_alone(offer: Offer) -> None
 
 
 def test_every_stage_has_its_default() -> None:
-    from mcsl_core.hooks.stages import STAGES
-
     for stage in STAGES:
         assert discover().choose(stage).name == STAGES[stage].default
-
-
-FILM = {"ref": (60, 0), "left": (120, -110), "right": (180, 90)}  # brightness, and columns its picture lies aside
-FILM_SIZE, FILM_RATE, FILM_FRAMES = (256, 128), 4, 60
-
-
-@pytest.fixture(scope="module")
-def filled(tmp_path_factory: pytest.TempPathFactory):
-    """Programme frames by a filler: cameras of one brightness each, which rises by 1 a second; three shots."""
-    folder = tmp_path_factory.mktemp("filled")
-    lossless = Encoding(options={"preset": "ultrafast", "qp": "0"})
-    half = (FILM_SIZE[1] // 2, FILM_SIZE[0] // 2)
-    for name, (value, _) in FILM.items():
-        with VideoWriter(folder / f"{name}.mp4", size=FILM_SIZE, rate=Fraction(FILM_RATE), encoding=lossless) as film:
-            for n in range(FILM_FRAMES):
-                luma = np.full(FILM_SIZE[::-1], value + n // FILM_RATE, np.uint8)
-                film.write(Planes(luma, *(np.full(half, 128, np.uint8) for _ in range(2))))
-    pose = Pose(FrameRange(0, FILM_FRAMES), {n: ((1, 0, x), (0, 1, 0), (0, 0, 1)) for n, (_, x) in FILM.items()})
-    edl = Edl(
-        rate=Fraction(FILM_RATE),
-        size=FILM_SIZE,
-        frames=FILM_FRAMES,
-        reference="ref",
-        cameras=tuple(Camera(n, (Media(f"{n}.mp4", FILM_FRAMES, ""),), FILM_SIZE, Fraction(FILM_RATE)) for n in FILM),
-        poses=(pose,),
-        shots=(
-            Shot(FrameRange(0, 10), "left"),
-            Shot(FrameRange(10, 45), "right"),
-            Shot(FrameRange(45, FILM_FRAMES), "ref"),
-        ),
-        look=Look(centering=False, fill=True, colour=False),
-    )
-
-    def make(offer: Offer, start: int, stop: int) -> list[Planes]:
-        footage = Footage(edl.cameras, rate=edl.rate, frames=edl.frames, base=folder)
-        with Compositor(edl, footage, filler=offer.checked) as compositor:
-            return list(compositor.frames(FrameRange(start, stop)))
-
-    return make
-
-
-@offers("filler")
-def test_fillers_fill_around_the_chosen_camera_with_what_some_camera_shows(offer: Offer, filled) -> None:
-    frames = filled(offer, 0, FILM_FRAMES)
-    for n, planes in enumerate(frames):
-        now = {name: value + n // FILM_RATE for name, (value, _) in FILM.items()}
-        # Well inside the camera's picture it is the camera's: left shows columns to 145, right from 90, ref all.
-        part, camera = ((slice(0, 100), "left"), (slice(140, 256), "right"), (slice(0, 256), "ref"))[(n > 9) + (n > 44)]
-        assert np.abs(planes.y[40:88, part].astype(int) - now[camera]).max() <= 1, f"frame {n}"
-        assert planes.y.max() <= max(now.values()) + 1, "brighter than anything that was ever shown"
-        assert planes.y.min() >= 15
-        assert (np.abs(planes.u.astype(int) - 128) <= 1).all(), "a colour that no camera has"
-    assert frames[40].y[64, 30] >= 58, "what another camera shows, or showed before, stays black"
-
-
-@offers("filler")
-@pytest.mark.parametrize("start", [7, 39, 40, 47])
-def test_a_frame_is_filled_the_same_in_whatever_stretch_it_is_made(offer: Offer, filled, start: int) -> None:
-    """Chunks of ten seconds are conformed in any order, some anew."""
-    whole = filled(offer, 0, start + 4)[start:]
-    for a, b in zip(whole, filled(offer, start, start + 4), strict=True):
-        for one, other in zip(a, b, strict=True):
-            np.testing.assert_array_equal(one, other)

@@ -46,7 +46,7 @@ def evaluate(
     if study is not None and edl is None:
         from mcsl_core.evaluation import questionnaire
 
-        tests = questionnaire.analyse_study(study)
+        tests = questionnaire.analyse_questionnaire(study)
         shown, as_csv, as_json = console.study_table(tests), questionnaire.to_csv(tests), questionnaire.to_json(tests)
     elif edl is not None and study is None:
         from mcsl_core.evaluation import results

@@ -5,9 +5,9 @@ from fractions import Fraction
 import attrs
 import numpy as np
 import pytest
-from filling_scene import scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from plain_context import PlainContext
 from strategies import edls as any_edl
 
 from mcsl_core import edl as edls
@@ -105,7 +105,7 @@ def chroma_at(planes: Planes, x: int) -> tuple[int, int]:
 
 @pytest.mark.parametrize("filler", [FootprintFiller(16), PaperFiller()])
 def test_every_pixel_has_the_tint_of_its_camera(filler):
-    view = scene({"ref": (0, 320), "a": (160, 320)}, {"ref": 100, "a": 180}, "a")
+    view = PlainContext({"ref": (0, 320), "a": (160, 320)}, {"ref": 100, "a": 180}, "a")
     plain, shown = filler.fill(view), ShowProvenance(filler, ["ref", "a"]).fill(view)
     assert np.array_equal(plain.y[100:], shown.y[100:])  # below the legend
     for x, camera in ((60, 0), (300, 1)):
@@ -117,14 +117,14 @@ def test_every_pixel_has_the_tint_of_its_camera(filler):
 
 def test_looks_at_other_moments_are_darker_and_black_has_no_origin():
     columns = {"ref": (0, 160), "a": (60, 160), "c": (100, 260)}
-    view = scene(columns, {"ref": 100, "a": 180, "c": 100}, "a")
+    view = PlainContext(columns, {"ref": 100, "a": 180, "c": 100}, "a")
     shown = ShowProvenance(FootprintFiller(16), ["ref", "a", "c"]).fill(view)
     assert shown.y[150, 220] == pytest.approx(16 + 0.7 * (100 - 16), abs=2)
     assert chroma_at(shown, 300) == (128, 128)
 
 
 def test_without_fill_the_chosen_camera_is_tinted_alone():
-    view = scene({"ref": (0, 320), "a": (160, 320)}, {"ref": 100, "a": 180}, "a")
-    shown = ShowProvenance(FootprintFiller(16), ["ref", "a"]).bare(view)
+    view = PlainContext({"ref": (0, 320), "a": (160, 320)}, {"ref": 100, "a": 180}, "a")
+    shown = ShowProvenance(FootprintFiller(16), ["ref", "a"]).unfilled(view)
     assert (shown.y[120:, :150] == 16).all()
     assert chroma_at(shown, 300) != (128, 128)

@@ -275,7 +275,7 @@ def test_the_papers_filler_keeps_the_past_where_nobody_sees(tmp_path):
     bare = compose(edl, tmp_path)
     assert bare[3].y[20:-20, 2:20].max() == 16
     again = compose(edl, tmp_path, FrameRange(4, 6), filler=PaperFiller())
-    assert psnr(again[0].y, got[4].y) > 45  # a stretch made alone looks the same
+    assert psnr(again[0].y, got[4].y) > 45  # a range made alone is the same
 
 
 def test_one_filler_serves_programmes_of_different_geometry(tmp_path):

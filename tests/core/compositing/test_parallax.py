@@ -64,8 +64,8 @@ def test_footprints_bend_along():
 
 
 def test_a_taper_bends_where_the_camera_does_not_see_and_fades_inside():
-    bend = WarpField(np.full((60, 90, 2), 8, np.float32), (-120.0, -75.0), 8.0)
-    tapered = bend.tapered((240, 200), np.eye(3), 48.0)
+    warp_field = WarpField(np.full((60, 90, 2), 8, np.float32), (-120.0, -75.0), 8.0)
+    tapered = warp_field.tapered((240, 200), np.eye(3), 48.0)
     x, y = np.meshgrid(np.array([-40.0, 4, 24, 40, 60, 120], np.float32), np.array([100.0], np.float32))
     at = tapered.at(x, y)[0, :, 0]
     assert at[0] == 8
@@ -149,13 +149,13 @@ def film(folder, name, shown):
 
 
 @pytest.fixture(scope="module")
-def scene(tmp_path_factory):
-    """a, the reference, sees the middle of a wide picture. All of it, bent, is seen by c, its right part by b."""
-    folder = tmp_path_factory.mktemp("bent")
+def relief(tmp_path_factory):
+    """a, the reference, sees the middle of a wide picture. All of it, displaced, is seen by c, its right part by b."""
+    folder = tmp_path_factory.mktemp("displaced")
     picture = texture(7, WIDE)
-    bent = cv2.merge([bent_away(plane, known(WIDE)) for plane in cv2.split(picture)])
-    shown = {"a": picture[:, 120:600], "b": bent[:, 280:600], "c": bent}
-    return folder, picture, bent, tuple(film(folder, name, part) for name, part in shown.items())
+    displaced = cv2.merge([bent_away(plane, known(WIDE)) for plane in cv2.split(picture)])
+    shown = {"a": picture[:, 120:600], "b": displaced[:, 280:600], "c": displaced}
+    return folder, picture, displaced, tuple(film(folder, name, part) for name, part in shown.items())
 
 
 def programme(cameras, shot, shift=0.0):
@@ -179,33 +179,33 @@ def frame_of(edl, folder, **options):
         return next(iter(compositor.frames(FrameRange(20, 21))))
 
 
-def test_what_another_camera_fills_lies_where_the_reference_would_have_it(scene):
-    folder, picture, bent, cameras = scene
+def test_what_another_camera_fills_lies_where_the_reference_would_have_it(relief):
+    folder, picture, displaced, cameras = relief
     made = planes_to_bgr(frame_of(programme(cameras, "a", shift=60.0), folder))
-    right, warped = picture[:, 60:540], bent[:, 60:540]
+    right, warped = picture[:, 60:540], displaced[:, 60:540]
     assert psnr(made[:, 80:], right[:, 80:]) > 35  # the reference's own
     beyond = slice(36, 56)
     assert psnr(made[:, beyond], right[:, beyond]) > psnr(warped[:, beyond], right[:, beyond]) + 4
 
 
-def test_the_chosen_cameras_edge_bends_over_into_the_reference_and_its_middle_is_left_alone(scene):
-    folder, picture, bent, cameras = scene
+def test_the_chosen_cameras_edge_bends_over_into_the_reference_and_its_middle_is_left_alone(relief):
+    folder, picture, displaced, cameras = relief
     made = planes_to_bgr(frame_of(programme(cameras, "b"), folder))
-    right, warped = picture[:, 120:600], bent[:, 120:600]
+    right, warped = picture[:, 120:600], displaced[:, 120:600]
     assert psnr(made[:, :150], right[:, :150]) > 35
     edge, middle = slice(172, 180), slice(220, 440)
     assert psnr(made[:, edge], right[:, edge]) > psnr(warped[:, edge], right[:, edge]) + 3
     assert psnr(made[40:-40, middle], warped[40:-40, middle]) > 33
 
 
-def test_a_picture_that_leaves_nothing_open_is_left_as_it_is(scene):
-    folder, _, bent, cameras = scene
+def test_a_picture_that_leaves_nothing_open_is_left_as_it_is(relief):
+    folder, _, displaced, cameras = relief
     made = planes_to_bgr(frame_of(programme(cameras, "c"), folder))
-    assert psnr(made, bent[:, 120:600]) > 35
+    assert psnr(made, displaced[:, 120:600]) > 35
 
 
-def test_a_frame_is_the_same_whether_made_alone_or_in_a_run(scene):
-    folder, _, _, cameras = scene
+def test_a_frame_is_the_same_whether_made_alone_or_in_a_run(relief):
+    folder, _, _, cameras = relief
     edl = programme(cameras, "b", shift=30.0)
     footage = Footage(edl.cameras, rate=edl.rate, frames=edl.frames, base=folder)
     with Compositor(edl, footage) as compositor:

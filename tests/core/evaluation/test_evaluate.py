@@ -19,13 +19,13 @@ from strategies import edls
 
 from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.compositing.coverage import Coverage
-from mcsl_core.compositing.proxy import reduced
+from mcsl_core.compositing.proxy import proxy_edl
 from mcsl_core.edl import IDENTITY, Camera, Colour, Edl, Look, Media, Override, Pose, Shot
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.errors import InputError, UsageError
-from mcsl_core.evaluation import results as figures
 from mcsl_core.evaluation.evaluate import Variant, evaluate, standard_variants, without_alignment
 from mcsl_core.evaluation.metrics import CEILING_DB, Tracker, Tracks, fidelity_db, grey, speed_px
+from mcsl_core.evaluation.results import load_evaluation, to_csv, to_json
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.paper import PaperFiller
 from mcsl_core.imaging.planes import bgr_to_planes
@@ -45,7 +45,7 @@ def moved(dx: float, dy: float = 0.0, degrees: float = 0.0):
     return tuple(tuple(float(v) for v in row) for row in turn)
 
 
-def scene(seed: int = 3) -> np.ndarray:
+def texture(seed: int = 3) -> np.ndarray:
     """A still picture with corners to follow, larger than the cameras' pictures on all sides."""
     rng = np.random.default_rng(seed)
     coarse = rng.integers(40, 216, (60, 80, 3)).astype(np.uint8)
@@ -57,11 +57,11 @@ TO_REFERENCE = {"a": IDENTITY, "b": moved(12, -6, 20), "c": moved(-20, 4, -35)}
 
 @pytest.fixture(scope="module")
 def still(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Three cameras that see one still scene, turned and shifted: what aligned views show is the same."""
+    """Three cameras that see one still texture, turned and shifted: what aligned views show is the same."""
     folder = tmp_path_factory.mktemp("still")
     shift = np.array([[1, 0, -160], [0, 1, -150], [0, 0, 1.0]])
     for name, matrix in TO_REFERENCE.items():
-        view = cv2.warpPerspective(scene(), np.linalg.inv(np.array(matrix)) @ shift, SIZE, flags=cv2.INTER_CUBIC)
+        view = cv2.warpPerspective(texture(), np.linalg.inv(np.array(matrix)) @ shift, SIZE, flags=cv2.INTER_CUBIC)
         with VideoWriter(folder / f"{name}.mp4", size=SIZE, rate=RATE) as writer:
             for _ in range(FRAMES):
                 writer.write(bgr_to_planes(view))
@@ -69,7 +69,7 @@ def still(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def programme(*shots: tuple[int, str], **more) -> Edl:
-    """Shots as (first frame, camera) over `FRAMES`, all aligned as the scene was made."""
+    """Shots as (first frame, camera) over `FRAMES`, all aligned as the cameras were laid."""
     starts = [*(start for start, _ in shots), FRAMES]
     return Edl(
         rate=RATE,
@@ -127,14 +127,14 @@ def test_speed_is_the_mean_distance_of_points_that_both_frames_show() -> None:
 
 
 def test_corners_are_followed_and_points_found_again() -> None:
-    picture = cv2.cvtColor(scene(), cv2.COLOR_BGR2GRAY)
+    picture = cv2.cvtColor(texture(), cv2.COLOR_BGR2GRAY)
     shift = np.array([[1, 0, 2.5], [0, 1, -1.5]])
     followed = Tracker().follow(picture, cv2.warpAffine(picture, shift, (640, 480)))
     inside = (followed.before > 20).all(axis=1) & (followed.before < [620, 460]).all(axis=1)
     assert inside.sum() > 50
     assert np.abs((followed.after - followed.before)[inside] - [2.5, -1.5]).max() < 0.3
     hidden = picture.copy()
-    hidden[:, 320:] = cv2.cvtColor(scene(9), cv2.COLOR_BGR2GRAY)[:, 320:]
+    hidden[:, 320:] = cv2.cvtColor(texture(9), cv2.COLOR_BGR2GRAY)[:, 320:]
     kept = Tracker().follow(picture, hidden).before[:, 0]
     assert (kept < 310).sum() > 50
     assert (kept > 330).sum() < 0.1 * (kept < 310).sum(), "what something came before is not followed"
@@ -148,7 +148,7 @@ def test_where_there_is_nothing_to_follow_there_are_no_tracks() -> None:
     flat, noise = np.full((90, 160), 99, np.uint8), np.random.default_rng(0).integers(0, 255, (2, 180, 320))
     assert len(Tracker().follow(flat, flat)) == 0
     assert len(Tracker().match(flat, flat)) == 0
-    picture = cv2.cvtColor(scene(), cv2.COLOR_BGR2GRAY)
+    picture = cv2.cvtColor(texture(), cv2.COLOR_BGR2GRAY)
     scattered = np.hstack([np.roll(picture[:, i : i + 128], 90 * i // 128, axis=0) for i in range(0, 640, 128)])
     assert len(Tracker().match(picture, scattered)) == 0, "five ways at once are no common plane"
     a, b = noise.astype(np.uint8)
@@ -188,7 +188,7 @@ def test_every_variant_is_made_by_the_same_compositor(still: Path, monkeypatch) 
                 made.append((self.edl.poses[0].homographies["b"], self.edl.poses[0].homographies["c"]))
                 yield planes
 
-    monkeypatch.setattr("mcsl_core.evaluation.evaluate.Compositor", Watched)
+    monkeypatch.setattr("mcsl_core.evaluation.observer.Compositor", Watched)
     edl = programme(*THREE)
     variants = standard_variants(edl, manual={0: {"b": moved(14, -6, 20), "c": moved(-20, 6, -35)}})
     evaluate(edl, still, variants)
@@ -204,7 +204,7 @@ def test_every_variant_is_made_by_the_same_compositor(still: Path, monkeypatch) 
 
 
 def test_alignment_shows_in_every_figure(still: Path) -> None:
-    """A still scene: aligned, its points stay where they are; unaligned, they move as the cameras lie."""
+    """A still texture: aligned, its points stay where they are; unaligned, they move as the cameras lie."""
     edl = programme(*THREE)
     done = evaluate(edl, still, standard_variants(edl, manual={0: {"b": moved(14, -6, 20), "c": moved(-20, 6, -35)}}))
     no, manual, auto, filled = (done.row(name) for name in ("no", "manual", "auto", "filled"))
@@ -234,7 +234,7 @@ def test_what_centering_moves_is_motion_too(still: Path) -> None:
     assert centered.itf_valid_db < auto.itf_valid_db - 10
 
 
-def test_figures_about_the_field_leave_the_rest_out(still: Path) -> None:
+def test_results_about_the_field_leave_the_rest_out(still: Path) -> None:
     """A turn about the field's middle moves what is there less than the rest, and spoils its picture less."""
     middle = np.array([(SIZE[0] - 1) / 2 + 40, (SIZE[1] - 1) / 2])
     turn = np.vstack([cv2.getRotationMatrix2D(tuple(middle), 4, 1), [0, 0, 1]])
@@ -251,7 +251,7 @@ def test_figures_about_the_field_leave_the_rest_out(still: Path) -> None:
 
 
 def test_the_speed_agrees_with_points_found_in_the_finished_pictures(still: Path) -> None:
-    """The carried points against an independent look: features of the composed frames on either side of a switch."""
+    """The carried points against an independent measure: features of the composed frames on either side of a switch."""
     edl = programme((0, "a"), (8, "b"))
     variants = standard_variants(edl, manual={0: {"b": moved(20, 0, 14)}})
     done = evaluate(edl, still, variants, every=0)
@@ -330,13 +330,13 @@ def test_where_no_camera_has_a_picture_there_is_no_data(still: Path) -> None:
     assert row.switches.itf_db is None
 
 
-# ---------------------------------------------------------------------------------------------- reduced, coverage
+# ------------------------------------------------------------------------------------------------ proxy, coverage
 
 
-def test_a_reduced_programme_is_the_programme_reduced(still: Path) -> None:
+def test_a_proxy_is_the_programme_at_a_smaller_size(still: Path) -> None:
     edl = programme((0, "b"), centering=((0, 8.0, -6.0),), look=Look(centering=True, fill=False, colour=False))
     full = grey(next(iter(programme_frames(edl, still, FrameRange(3, 4)))))
-    small = reduced(edl, (160, 90))
+    small = proxy_edl(edl, (160, 90))
     footage = Footage(small.cameras, rate=RATE, frames=FRAMES, base=still)
     made = grey(next(iter(Compositor(small, footage).frames(FrameRange(3, 4)))))
     expected = cv2.resize(full, (160, 90), interpolation=cv2.INTER_AREA)
@@ -376,17 +376,17 @@ def test_coverage_tells_which_camera_every_pixel_is_from(still: Path, filler) ->
 # --------------------------------------------------------------------------------------------------- written down
 
 
-def test_figures_come_back_as_they_were_written(still: Path, tmp_path: Path) -> None:
+def test_results_come_back_as_they_were_written(still: Path, tmp_path: Path) -> None:
     edl = programme(*THREE)
     done = evaluate(edl, still, standard_variants(edl, manual={0: TO_REFERENCE}), every=4, width=160)
-    text = figures.to_json(done)
+    text = to_json(done)
     (tmp_path / "f.json").write_text(text, "utf-8")
-    again = figures.load_evaluation(tmp_path / "f.json")
-    assert figures.to_json(again) == text
+    again = load_evaluation(tmp_path / "f.json")
+    assert to_json(again) == text
     assert again.row("auto").switches.itf_db == pytest.approx(done.row("auto").switches.itf_db, abs=1e-3)
-    rows = list(csv.DictReader(io.StringIO(figures.to_csv(done))))
+    rows = list(csv.DictReader(io.StringIO(to_csv(done))))
     assert [(r["variant"], r["scope"]) for r in rows][:2] == [("no", "whole"), ("no", "switches")]
     assert float(rows[1]["itf_db"]) == pytest.approx(done.row("no").switches.itf_db, abs=1e-3)
     (tmp_path / "f.json").write_text("{}", "utf-8")
-    with pytest.raises(InputError, match="not the figures of an evaluation"):
-        figures.load_evaluation(tmp_path / "f.json")
+    with pytest.raises(InputError, match="not the results of an evaluation"):
+        load_evaluation(tmp_path / "f.json")

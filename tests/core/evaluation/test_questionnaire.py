@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from mcsl_core.errors import McslError
-from mcsl_core.evaluation.questionnaire import EXACT, LEAST, analyse_study, friedman, to_csv, to_json, wilcoxon
+from mcsl_core.evaluation.questionnaire import EXACT, LEAST, analyse_questionnaire, friedman, to_csv, to_json, wilcoxon
 
 DIFFERENCES = st.lists(st.integers(-4, 4), min_size=6, max_size=10).map(lambda v: np.array(v, float))
 
@@ -85,7 +85,7 @@ def test_friedman_by_its_formula_with_ties() -> None:
 def test_a_study_like_the_papers(tmp_path: Path) -> None:
     """Eleven surgeons, three methods: everybody prefers the third, nobody can tell the first two apart."""
     ratings = {"no": [1, 2] * 5 + [1], "manual": [2, 1] * 5 + [1], "auto": [5, 4] * 5 + [5]}
-    (result,) = analyse_study(write(tmp_path, table(ratings)))  # pyright: ignore[reportArgumentType]
+    (result,) = analyse_questionnaire(write(tmp_path, table(ratings)))  # pyright: ignore[reportArgumentType]
     assert (result.participants, result.medians) == (11, {"no": 1, "manual": 1, "auto": 5})
     assert result.friedman is not None
     assert result.friedman.significant
@@ -99,17 +99,17 @@ def test_a_study_like_the_papers(tmp_path: Path) -> None:
 
 
 def test_two_methods_have_no_friedman_test_and_all_alike_no_statistic(tmp_path: Path) -> None:
-    (two,) = analyse_study(write(tmp_path, table({"a": [3] * 6, "b": [3] * 6})))
+    (two,) = analyse_questionnaire(write(tmp_path, table({"a": [3] * 6, "b": [3] * 6})))
     assert two.friedman is None
     assert (two.pairs[0].n, two.pairs[0].p, two.pairs[0].significant) == (0, 1, False)
-    (three,) = analyse_study(write(tmp_path, table({"a": [3] * 6, "b": [3] * 6, "c": [3] * 6})))
+    (three,) = analyse_questionnaire(write(tmp_path, table({"a": [3] * 6, "b": [3] * 6, "c": [3] * 6})))
     assert three.friedman is not None
     assert (three.friedman.statistic, three.friedman.significant) == (None, False)
 
 
 def test_what_is_written_is_what_was_found(tmp_path: Path) -> None:
     path = write(tmp_path, table({"a": [1, 2, 1, 2, 1, 2], "b": [3, 4, 3, 2, 5, 5], "c": [3, 3, 3, 3, 3, 3]}))
-    results = analyse_study(path)
+    results = analyse_questionnaire(path)
     value = json.loads(to_json(results))
     assert value["results"][0]["pairs"][0]["p"] == pytest.approx(results[0].pairs[0].p)
     rows = list(csv.DictReader(io.StringIO(to_csv(results))))
@@ -120,9 +120,9 @@ def test_what_is_written_is_what_was_found(tmp_path: Path) -> None:
 
 def test_separators_of_spreadsheets_are_read(tmp_path: Path) -> None:
     text = table({"a": [1] * 6, "b": [2, 3, 4, 5, 5, 5]})
-    plain = analyse_study(write(tmp_path, text))
+    plain = analyse_questionnaire(write(tmp_path, text))
     for separator in ";\t":
-        assert analyse_study(write(tmp_path, "\ufeff" + text.replace(",", separator))) == plain
+        assert analyse_questionnaire(write(tmp_path, "\ufeff" + text.replace(",", separator))) == plain
 
 
 FULL = {"a": [1, 2, 3, 4, 5, 1], "b": [2, 2, 3, 3, 5, 5]}
@@ -145,10 +145,10 @@ FULL = {"a": [1, 2, 3, 4, 5, 1], "b": [2, 2, 3, 3, 5, 5]}
 )
 def test_what_is_wrong_is_named(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(McslError) as refused:
-        analyse_study(write(tmp_path, text))
+        analyse_questionnaire(write(tmp_path, text))
     assert message in str(refused.value)
 
 
 def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
     with pytest.raises(McslError, match="cannot be read"):
-        analyse_study(tmp_path / "none.csv")
+        analyse_questionnaire(tmp_path / "none.csv")

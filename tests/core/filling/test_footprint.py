@@ -4,12 +4,12 @@ import cv2
 import numpy as np
 import pytest
 from attrs import field, frozen
-from filling_scene import SIZE, Scene, grey, scene
 from hypothesis import given
 from hypothesis import strategies as st
+from plain_context import SIZE, PlainContext, grey
 
 from mcsl_core.filling.footprint import FootprintFiller
-from mcsl_core.filling.layers import strips
+from mcsl_core.filling.layers import mask_rects
 from mcsl_core.filling.paper import PaperFiller
 from mcsl_core.filling.viewpoint import viewpoint_difference
 from mcsl_core.imaging.planes import Planes
@@ -17,14 +17,14 @@ from mcsl_core.imaging.rect import Rect
 from mcsl_core.timing import FrameRange
 
 
-def row_of(view, filler=None):
-    return (filler or FootprintFiller(16)).fill(view).y[96].astype(int)
+def row_of(context, filler=None):
+    return (filler or FootprintFiller(16)).fill(context).y[96].astype(int)
 
 
 def test_others_stand_behind_in_order_softly_and_the_rest_is_black():
     columns = {"ref": (0, 200), "near": (100, 260), "far": (200, 300)}
-    view = scene(columns, {"ref": 100, "near": 180, "far": 60}, "near")
-    filled = FootprintFiller(feather_px=16).fill(view)
+    context = PlainContext(columns, {"ref": 100, "near": 180, "far": 60}, "near")
+    filled = FootprintFiller(feather_px=16).fill(context)
     row = filled.y[96].astype(int)
     assert (row[:98] == 100).all()
     assert (row[120:240] == 180).all()
@@ -38,40 +38,40 @@ def test_others_stand_behind_in_order_softly_and_the_rest_is_black():
 
 
 def test_nothing_to_fill_gives_the_same_object_and_asks_nobody():
-    view = scene({"a": (0, 320), "b": (0, 320)}, {"a": 90, "b": 10}, "a")
-    front = view.front
-    view.looked.clear()
-    filled = FootprintFiller().fill(view)
+    context = PlainContext({"a": (0, 320), "b": (0, 320)}, {"a": 90, "b": 10}, "a")
+    front = context.front
+    context.asked.clear()
+    filled = FootprintFiller().fill(context)
     assert np.array_equal(filled.y, front.y)
-    assert {camera for camera, *_ in view.looked} == {"a"}
+    assert {camera for camera, *_ in context.asked} == {"a"}
 
 
 def test_dark_pictures_are_no_holes():
-    view = scene({"ref": (0, 320), "a": (60, 320)}, {"ref": 100, "a": 16}, "a")
-    assert (row_of(view)[100:] == 16).all()
+    context = PlainContext({"ref": (0, 320), "a": (60, 320)}, {"ref": 100, "a": 16}, "a")
+    assert (row_of(context)[100:] == 16).all()
 
 
 def test_a_camera_that_adds_nothing_is_not_asked():
-    view = scene({"a": (0, 200), "b": (0, 320), "c": (0, 320)}, {"a": 90, "b": 120, "c": 50}, "a")
-    FootprintFiller().fill(view)
-    assert "c" not in {camera for camera, *_ in view.looked}
+    context = PlainContext({"a": (0, 200), "b": (0, 320), "c": (0, 320)}, {"a": 90, "b": 120, "c": 50}, "a")
+    FootprintFiller().fill(context)
+    assert "c" not in {camera for camera, *_ in context.asked}
 
 
 def test_one_camera_beside_the_chosen_is_decoded_all_along():
     columns = {"ref": (0, 200), "a": (100, 260), "b": (0, 280), "c": (200, 320)}
-    view = scene(columns, {"ref": 100, "a": 180, "b": 90, "c": 60}, "a")
-    row_of(view)
-    assert {camera for camera, median_of, _ in view.looked if not median_of} == {"a", "ref"}
-    alone = scene({"ref": (0, 260), "b": (100, 264), "c": (200, 320)}, {"ref": 100, "b": 90, "c": 60}, "ref")
+    context = PlainContext(columns, {"ref": 100, "a": 180, "b": 90, "c": 60}, "a")
+    row_of(context)
+    assert {camera for camera, median_of, _ in context.asked if not median_of} == {"a", "ref"}
+    alone = PlainContext({"ref": (0, 260), "b": (100, 264), "c": (200, 320)}, {"ref": 100, "b": 90, "c": 60}, "ref")
     row_of(alone)
-    assert {camera for camera, median_of, _ in alone.looked if not median_of} == {
+    assert {camera for camera, median_of, _ in alone.asked if not median_of} == {
         "ref",
         "b",
     }  # nearest that adds enough
 
 
-def test_what_is_looked_at_now_and_then_leaves_out_who_was_in_the_way_and_changes_slowly():
-    """A rim that only c sees; c is covered by something white at every other look but one."""
+def test_medians_leave_out_who_was_in_the_way_and_change_slowly():
+    """A rim that only c sees; c is hidden by something white at two of the grid's frames."""
 
     def c(frame):
         return 235 if frame in (1000, 1200) else 60 + frame // 200
@@ -79,8 +79,8 @@ def test_what_is_looked_at_now_and_then_leaves_out_who_was_in_the_way_and_change
     columns = {"ref": (0, 200), "a": (60, 200), "c": (150, 320)}
     rims = []
     for frame in range(1190, 1420):
-        view = scene(columns, {"ref": 100, "a": 180, "c": c}, "a", frame=frame)
-        rims.append(row_of(view)[280])
+        context = PlainContext(columns, {"ref": 100, "a": 180, "c": c}, "a", frame=frame)
+        rims.append(row_of(context)[280])
     assert max(rims) < 70
     assert np.abs(np.diff(rims)).max() <= 1
     assert len(set(rims)) > 1
@@ -91,17 +91,17 @@ def test_what_no_camera_sees_now_comes_from_other_poses_more_blurred_with_age():
     columns = {"ref": (0, 240), "a": (60, 240)}
     values = {"ref": lambda f: 100 + f // 1000 * 30, "a": 180}
     poses = ((before, {"ref": (40, 290)}), (here, {}), (after, {"ref": (0, 320)}))
-    early, late = (scene(columns, values, "a", frame=f, poses=poses) for f in (1010, 1990))
-    for view in (early, late):
-        row = row_of(view)
+    early, late = (PlainContext(columns, values, "a", frame=f, poses=poses) for f in (1010, 1990))
+    for context in (early, late):
+        row = row_of(context)
         assert (row[252:270] == 100).all()  # the pose before saw it
         assert (row[300:] == 160).all()  # only the pose after did
     blur = [
-        max(b for camera, median_of, b in v.looked if camera == "ref" and median_of and median_of[0] in before)
+        max(b for camera, median_of, b in v.asked if camera == "ref" and median_of and median_of[0] in before)
         for v in (early, late)
     ]
     assert 0 < blur[0] < blur[1]
-    unseen = scene(columns, values, "a", frame=1010, poses=((here, {}),))
+    unseen = PlainContext(columns, values, "a", frame=1010, poses=((here, {}),))
     assert (row_of(unseen)[250:] == 16).all()  # nothing is invented
 
 
@@ -111,24 +111,24 @@ def test_a_frame_depends_on_its_number_alone(frame):
     values = {"ref": 100, "a": 180, "c": lambda f: 40 + f % 97}
     used = FootprintFiller(16)
     for other in range(max(0, frame - 12), frame):
-        used.fill(scene(columns, values, "a", frame=other))
-    again = used.fill(scene(columns, values, "a", frame=frame))
-    alone = FootprintFiller(16).fill(scene(columns, values, "a", frame=frame))
+        used.fill(PlainContext(columns, values, "a", frame=other))
+    again = used.fill(PlainContext(columns, values, "a", frame=frame))
+    alone = FootprintFiller(16).fill(PlainContext(columns, values, "a", frame=frame))
     assert np.array_equal(again.y, alone.y)
 
 
 def test_a_camera_without_picture_lets_the_next_shine_through():
     columns = {"a": (0, 200), "b": (0, 320), "c": (0, 320)}
-    row = row_of(scene(columns, {"a": 90, "b": None, "c": 50}, "a"))
+    row = row_of(PlainContext(columns, {"a": 90, "b": None, "c": 50}, "a"))
     assert (row[220:] == 50).all()
-    gap = scene({"a": (0, 200), "b": (0, 260), "c": (0, 320)}, {"a": 90, "b": None, "c": None}, "a")
+    gap = PlainContext({"a": (0, 200), "b": (0, 260), "c": (0, 320)}, {"a": 90, "b": None, "c": None}, "a")
     row = row_of(gap)
     assert (row[210:] == 16).all()
     assert (row[:190] == 90).all()
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_strips_cover_what_is_not_the_front_alone_and_are_even_and_apart(seed):
+def test_rectangles_hold_what_is_not_the_front_alone_and_are_even_and_apart(seed):
     rng = np.random.default_rng(seed)
     masks = [np.ones((135, 240), bool), np.zeros((135, 240), bool), np.zeros((135, 240), bool)]
     for mask in masks[1:]:
@@ -138,7 +138,7 @@ def test_strips_cover_what_is_not_the_front_alone_and_are_even_and_apart(seed):
     masks[0][:40, :60] = False
     masks[1][:40, :60] = True
     covered = np.zeros((270, 480), int)
-    for rect, members in strips(masks):
+    for rect, members in mask_rects(masks):
         assert not any(v % 2 for v in (rect.x, rect.y, rect.width, rect.height))
         assert rect.x + rect.width <= 480
         part = (slice(rect.y // 2, (rect.y + rect.height) // 2), slice(rect.x // 2, (rect.x + rect.width) // 2))
@@ -147,7 +147,7 @@ def test_strips_cover_what_is_not_the_front_alone_and_are_even_and_apart(seed):
     assert covered.max() <= 1
     assert (covered[::2, ::2][masks[1] | masks[2] | ~masks[0]] == 1).all()
     assert covered.mean() < 0.9
-    assert strips([np.ones((10, 10), bool)]) == []
+    assert mask_rects([np.ones((10, 10), bool)]) == []
 
 
 # ------------------------------------------------------------------------------------------------------ the paper's
@@ -176,13 +176,13 @@ def test_the_papers_filler_is_the_papers():
 
     pictures = {"ref": textured(0, 250, 40), "a": textured(80, 200, 0)}
 
-    class Textured(Scene):
+    class Textured(PlainContext):
         def picture(self, camera, rect, median_of=(), blur_px=0.0, *, parallax_corrected=False):
             return rect.of(pictures[camera])
 
-    view = Textured({"ref": (0, 250), "a": (80, 200)}, {}, "a", previous=textured(0, 320, 90))
-    expected, missing, sure = papers(pictures["a"].y, pictures["ref"].y, view.previous.y)
-    found = PaperFiller().fill(view).y
+    context = Textured({"ref": (0, 250), "a": (80, 200)}, {}, "a", previous=textured(0, 320, 90))
+    expected, missing, sure = papers(pictures["a"].y, pictures["ref"].y, context.previous.y)
+    found = PaperFiller().fill(context).y
     assert missing[:, 260:].all()
     assert sure.mean() > 0.98  # elsewhere rounding decides what counts as missing
     difference = np.abs(found - expected)[sure]
@@ -191,11 +191,13 @@ def test_the_papers_filler_is_the_papers():
 
 
 def test_the_papers_filler_blends_by_brightness():
-    view = scene({"ref": (0, 320), "a": (100, 320)}, {"ref": 100, "a": 180}, "a")
-    row = PaperFiller().fill(view).y[96].astype(int)
+    context = PlainContext({"ref": (0, 320), "a": (100, 320)}, {"ref": 100, "a": 180}, "a")
+    row = PaperFiller().fill(context).y[96].astype(int)
     assert np.abs(row[:70] - 100).max() <= 1
     assert np.abs(row[130:] - 180).max() <= 1
-    dark = scene({"ref": (0, 320), "a": (0, 320)}, {"ref": 100, "a": 18}, "a")  # below 10 of 255 counts as missing
+    dark = PlainContext(
+        {"ref": (0, 320), "a": (0, 320)}, {"ref": 100, "a": 18}, "a"
+    )  # below 10 of 255 counts as missing
     assert np.abs(PaperFiller().fill(dark).y.astype(int) - 100).max() <= 1
 
 
@@ -205,13 +207,13 @@ def test_the_papers_filler_blurs_what_it_keeps_the_more_the_older_it_is():
     stripes.y[:, ::8] = 200
     previous, contrast = stripes, []
     for _ in range(4):
-        previous = PaperFiller().fill(scene(columns, {"ref": 100, "a": 100}, "a", previous=previous))
+        previous = PaperFiller().fill(PlainContext(columns, {"ref": 100, "a": 100}, "a", previous=previous))
         contrast.append(previous.y[96, 280:310].std())
     assert contrast[0] > contrast[1] >= contrast[2] >= contrast[3]
     assert contrast[3] < contrast[0] / 2
 
 
-# ---------------------------------------------------------------------------------------------- closeness of viewpoint
+# ------------------------------------------------------------------------------------------- difference of viewpoint
 
 
 def seen_from(camera_mm, focal=900.0):
@@ -246,7 +248,7 @@ def test_further_round_the_lamp_is_further_apart(angle, more, turn):
 
 
 @frozen(eq=False)
-class Watched(Scene):
+class Watched(PlainContext):
     """Each camera has somebody in rectangles (x, y, right, bottom) of the programme; its medians do not."""
 
     people: dict = field(factory=dict)
@@ -258,7 +260,7 @@ class Watched(Scene):
         return cells
 
     def picture(self, camera, rect, median_of=(), blur_px=0.0, *, parallax_corrected=False):
-        planes = Scene.picture(self, camera, Rect(0, 0, *SIZE), median_of, blur_px)
+        planes = PlainContext.picture(self, camera, Rect(0, 0, *SIZE), median_of, blur_px)
         if not median_of:
             for x, y, right, bottom in self.people.get(camera, ()):
                 planes.y[y:bottom, x:right] = 220
@@ -267,8 +269,8 @@ class Watched(Scene):
 
 def watched(people, camera="a"):
     columns = {"ref": (0, 320), "a": (96, 320)}
-    view = Watched(columns, {"ref": 100, "a": 180}, camera, people=people)
-    return FootprintFiller(16).fill(view).y.astype(int)
+    context = Watched(columns, {"ref": 100, "a": 180}, camera, people=people)
+    return FootprintFiller(16).fill(context).y.astype(int)
 
 
 def test_a_head_that_only_the_other_camera_sees_does_not_come_back_at_the_edge():

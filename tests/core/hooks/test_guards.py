@@ -19,9 +19,10 @@ from mcsl_core.alignment.protocol import Alignment, Features
 from mcsl_core.centering.protocol import FieldPosition
 from mcsl_core.edl import Movement, Shot, Weak
 from mcsl_core.errors import Cancelled, InputError, McslError, PluginError
-from mcsl_core.hooks.guards import Watch, read_only
+from mcsl_core.hooks.guards import read_only
 from mcsl_core.hooks.registry import Offer
 from mcsl_core.hooks.stages import STAGES
+from mcsl_core.hooks.watch import Watch
 from mcsl_core.imaging.planes import Planes, black
 from mcsl_core.movement.protocol import Detection
 from mcsl_core.occlusion.score_table import ScoreTable
@@ -31,7 +32,7 @@ from mcsl_core.timing import FrameRange
 
 SIZE = (32, 18)
 CAMERAS = ("cam1", "cam2")
-SCENE = AlignedPose(
+POSE = AlignedPose(
     SIZE, "cam1", dict.fromkeys(CAMERAS, np.eye(3)), dict.fromkeys(CAMERAS, SIZE), np.ones((18, 32), bool)
 )
 PICTURE = np.full((18, 32, 3), 90, np.uint8)
@@ -60,7 +61,7 @@ def table() -> ScoreTable:
 
 
 def views():
-    return SCENE.views(dict.fromkeys(CAMERAS, PICTURE.copy()))
+    return POSE.views(dict.fromkeys(CAMERAS, PICTURE.copy()))
 
 
 def samples() -> SampleStore:
@@ -75,8 +76,8 @@ CALLS: dict[tuple[str, str], Callable] = {
     ("matcher", "features"): lambda s: s.features(PICTURE.copy(), np.ones((18, 32), np.uint8)),
     ("matcher", "match"): lambda s: s.match(read_only(POINTS), read_only(POINTS)),
     ("aligner", "align"): lambda s: s.align({CAMERAS: PAIR}, dict.fromkeys(CAMERAS, SIZE), "cam1"),
-    ("occlusion", "scorer"): lambda s: s.scorer(SCENE, [views()]),
-    ("occlusion", "score"): lambda s: s.scorer(SCENE, [views()]).score(views()),
+    ("occlusion", "scorer"): lambda s: s.scorer(POSE, [views()]),
+    ("occlusion", "score"): lambda s: s.scorer(POSE, [views()]).score(views()),
     ("selector", "select"): lambda s: s.select(table(), frames=FRAMES, rate=Fraction(30)),
     ("centerer", "centre"): lambda s: s.centre([FieldPosition(FrameRange(0, 60), None)], size=SIZE, rate=30.0),
     ("filler", "fill"): lambda s: s.fill(Programme()),
@@ -87,7 +88,7 @@ def does(method: str, function: Callable) -> types.SimpleNamespace:
     """A plugin's object: ``method`` is ``function``, which gets the arguments alone."""
     made = types.SimpleNamespace(name="mine", version=1, remembers=False)
     if method == "score":
-        made.scorer = lambda scene, moments: types.SimpleNamespace(score=function)
+        made.scorer = lambda pose, samples: types.SimpleNamespace(score=function)
     else:
         setattr(made, method, function)
     return made
@@ -247,10 +248,10 @@ def spoils(value: object) -> Callable[[object], object]:
         ("matcher", "match", lambda a, b: b.descriptors),
         ("aligner", "align", lambda pairs, sizes, reference: pairs[CAMERAS].a),
         ("aligner", "align", lambda pairs, sizes, reference: pairs[CAMERAS].weight),
-        ("occlusion", "scorer", lambda scene, moments: scene.field),
-        ("occlusion", "scorer", lambda scene, moments: scene.homographies["cam2"]),
-        ("occlusion", "scorer", lambda scene, moments: moments[0][1].picture),
-        ("occlusion", "scorer", lambda scene, moments: moments[:1][0][1].aligned),
+        ("occlusion", "scorer", lambda pose, samples: pose.field),
+        ("occlusion", "scorer", lambda pose, samples: pose.homographies["cam2"]),
+        ("occlusion", "scorer", lambda pose, samples: samples[0][1].picture),
+        ("occlusion", "scorer", lambda pose, samples: samples[:1][0][1].aligned),
         ("occlusion", "score", lambda views: views[0].aligned),
         ("occlusion", "score", lambda views: views[0].inside),
         ("selector", "select", lambda table: table.visible),
@@ -271,7 +272,7 @@ def test_arrays_that_are_handed_over_cannot_be_written_to(stage: str, method: st
         ("movement", "detect", lambda samples, footage, progress: samples.frames.append(3)),
         ("aligner", "align", lambda pairs, sizes, reference: sizes.update(cam1=(1, 1))),
         ("aligner", "align", lambda pairs, sizes, reference: pairs.clear()),
-        ("occlusion", "scorer", lambda scene, moments: scene.homographies.pop("cam2")),
+        ("occlusion", "scorer", lambda pose, samples: pose.homographies.pop("cam2")),
         ("occlusion", "score", lambda views: setattr(views[0], "camera", "cam2")),
         ("selector", "select", lambda table, **_: setattr(table, "cameras", ())),
     ],
@@ -281,10 +282,10 @@ def test_the_rest_cannot_be_changed_either(stage: str, method: str, change: Call
     assert any(kind in text for kind in ("AttributeError", "FrozenInstanceError"))
 
 
-def test_moments_are_a_sequence_that_is_read_only_where_it_is_looked_at() -> None:
+def test_samples_are_a_sequence_of_which_only_what_is_asked_for_is_read() -> None:
     read: list[int] = []
 
-    class Moments:
+    class Samples:
         def __len__(self) -> int:
             return 6
 
@@ -294,11 +295,11 @@ def test_moments_are_a_sequence_that_is_read_only_where_it_is_looked_at() -> Non
 
     seen = []
 
-    def scorer(scene, moments):
-        seen.append((len(moments), len(moments[::2]), len(list(moments[4:]))))
+    def scorer(pose, samples):
+        seen.append((len(samples), len(samples[::2]), len(list(samples[4:]))))
         return types.SimpleNamespace(score=gives(dict.fromkeys(CAMERAS, 1)))
 
-    offer("occlusion", does("scorer", scorer)).checked.scorer(SCENE, Moments())
+    offer("occlusion", does("scorer", scorer)).checked.scorer(POSE, Samples())
     assert seen == [(6, 3, 2)]
     assert read == [4, 5]
 
@@ -309,7 +310,7 @@ def test_a_frame_without_anything_to_fill_goes_through_untouched() -> None:
 
 
 def test_one_that_takes_longer_than_the_recording_lasts_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock = iter(range(0, 1000, 10))  # every look at the clock is ten seconds after the last: each call takes ten
+    clock = iter(range(0, 1000, 10))  # every reading of the clock is ten seconds after the last: each call takes ten
     monkeypatch.setattr("mcsl_core.hooks.guards.time.monotonic", lambda: float(next(clock)))
     notes: list[str] = []
     slow = offer("selector", does("select", gives([shot(0, 60)])), Watch(25.0, notes.append)).checked

@@ -1,4 +1,4 @@
-"""The report: its curves and bars against the EDL, whatever EDL; the page in a real browser, on a phone's width too."""
+"""The page: its facts against the EDL, whatever EDL; in a real browser, on a phone's width too."""
 
 from __future__ import annotations
 
@@ -17,11 +17,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import edls
 
-from mcsl_core import edl as document
 from mcsl_core.analysis.measurements import Measurements
 from mcsl_core.analysis.pipeline import analyse
 from mcsl_core.analysis.settings import AnalysisSettings
-from mcsl_core.edl import Camera, Edl, Override, Weak
+from mcsl_core.edl import IDENTITY, Camera, Edl, Media, Override, Pose, Shot, Weak, load, save
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.errors import InputError
 from mcsl_core.evaluation.evaluate import evaluate
@@ -30,76 +29,13 @@ from mcsl_core.hooks.registry import discover
 from mcsl_core.movement.protocol import Curve
 from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.progress import Silent
-from mcsl_core.report.charts import BINS, HEIGHT, WIDTH, bar, binned, line, short_time, time_ticks
 from mcsl_core.report.facts import gather
 from mcsl_core.report.page import Lacking, page, write_report
-from mcsl_core.report.pictures import clearest, superimposed
+from mcsl_core.report.pictures import clearest
 from mcsl_core.simulation import Scenario, simulate
 from mcsl_core.timing import FrameRange
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
-
-
-# --------------------------------------------------------------------------------------------------------- charts
-
-
-def points_of(path: str) -> list[list[tuple[float, float]]]:
-    return [
-        [(float(x), float(y)) for x, y in (pair.split() for pair in run.rstrip("Z").split("L"))]
-        for run in path.split("M")[1:]
-    ]
-
-
-def test_a_curve_breaks_where_there_is_no_data() -> None:
-    x, y = np.arange(6) * 20.0, np.array([0, 0.5, np.nan, 1, np.nan, 0.25])
-    first, second, third = points_of(line(x, y, 100, 0, 1))
-    assert first == [(0, HEIGHT), (200, HEIGHT / 2)]
-    assert second[0] == (600, 0)
-    assert len(second) == len(third) == 2, "a point alone is drawn as a dash"
-    closed = points_of(line(x, y, 100, 0, 1, closed=True))
-    assert closed[0][-2:] == [(200, HEIGHT), (0, HEIGHT)]
-    assert line(x, np.full(6, np.nan), 100, 0, 1) == ""
-
-
-def test_hours_of_samples_become_few_points_that_keep_their_peaks() -> None:
-    frames = np.arange(20_000) * 30
-    values = np.zeros(20_000)
-    values[12_345] = 1
-    values[:100] = np.nan
-    x, y = binned(frames, values, 600_000, keep="max")
-    assert len(x) == BINS
-    assert np.nanmax(y) == 1
-    assert np.isnan(y[0])
-    assert np.nanmax(binned(frames, values, 600_000)[1]) == pytest.approx(1 / 50)
-
-
-@pytest.mark.parametrize(
-    ("seconds", "texts"),
-    [
-        (4, ["0:00", "0:01", "0:02", "0:03"]),
-        (600, ["0:00", "2:00", "4:00", "6:00", "8:00"]),
-        (7200, ["0:00:00", "0:30:00", "1:00:00", "1:30:00"]),
-    ],
-)
-def test_ticks_are_round_and_few(seconds: float, texts: list[str]) -> None:
-    assert [t.text for t in time_ticks(seconds)] == texts
-
-
-@given(st.floats(0.04, 200_000))
-def test_ticks_lie_on_the_axis(seconds: float) -> None:
-    ticks = time_ticks(seconds)
-    assert 1 <= len(ticks) <= 14
-    assert all(0 <= float(t.at) <= 96 for t in ticks)
-    assert short_time(3599.6) == "1:00:00"
-
-
-@given(st.integers(1, 10**6).flatmap(lambda n: st.tuples(st.just(n), st.integers(0, n - 1))), st.integers(1, 10**6))
-def test_bars_stay_inside_and_can_be_seen(place: tuple[int, int], length: int) -> None:
-    frames, start = place
-    made = bar(start, min(start + length, frames), frames, "", "")
-    assert float(made.x) >= 0
-    assert float(made.width) >= 1.5
-    assert float(made.x) + float(made.width) <= WIDTH + 0.011
 
 
 # ---------------------------------------------------------------------------------------------------------- facts
@@ -172,7 +108,7 @@ def parsed(text: str) -> _Balance:
     return balance
 
 
-def bare(edl: Edl, measured: Measurements | None = None) -> str:
+def page_alone(edl: Edl, measured: Measurements | None = None) -> str:
     lacking = Lacking("", "no pictures here", "no figures here")
     return page(edl, "edl.json", measured, [None] * len(edl.poses), None, lacking)
 
@@ -180,7 +116,7 @@ def bare(edl: Edl, measured: Measurements | None = None) -> str:
 @settings(max_examples=25)
 @given(edls(), st.booleans())
 def test_any_edl_makes_a_whole_page(edl: Edl, scored: bool) -> None:
-    said = "".join(parsed(bare(edl, measured_of(edl) if scored else None)).texts)
+    said = "".join(parsed(page_alone(edl, measured_of(edl) if scored else None)).texts)
     for camera in edl.cameras:
         assert " ".join(camera.name.split()) in " ".join(said.split())
     assert "no pictures here" in said
@@ -190,15 +126,15 @@ def test_any_edl_makes_a_whole_page(edl: Edl, scored: bool) -> None:
 def edl_of_two() -> Edl:
     from fractions import Fraction
 
-    pose = document.Pose(FrameRange(0, 100), {"a": document.IDENTITY, "b": document.IDENTITY})
+    pose = Pose(FrameRange(0, 100), {"a": IDENTITY, "b": IDENTITY})
     return Edl(
         rate=Fraction(25),
         size=(320, 180),
         frames=100,
         reference="a",
-        cameras=tuple(Camera(n, (document.Media(f"rec/{n}.mp4", 100),), (320, 180), Fraction(25)) for n in "ab"),
+        cameras=tuple(Camera(n, (Media(f"rec/{n}.mp4", 100),), (320, 180), Fraction(25)) for n in "ab"),
         poses=(pose,),
-        shots=(document.Shot(FrameRange(0, 50), "a"), document.Shot(FrameRange(50, 100), "b")),
+        shots=(Shot(FrameRange(0, 50), "a"), Shot(FrameRange(50, 100), "b")),
     )
 
 
@@ -210,21 +146,21 @@ def test_what_people_wrote_is_text_and_not_markup(edl_of_two: Edl) -> None:
         overrides=(Override(FrameRange(0, 10), camera="b", note=note),),
         poses=(attrs.evolve(edl_of_two.poses[0], weak=weak),),
     )
-    text = bare(edl)
+    text = page_alone(edl)
     assert "<script" not in text
     assert "<b>bold" not in text
     assert note in "".join(parsed(text).texts)
 
 
 def test_the_page_asks_for_nothing_from_outside(edl_of_two: Edl) -> None:
-    text = bare(edl_of_two)
+    text = page_alone(edl_of_two)
     assert not re.findall(r"""(?:src|href)\s*=\s*["'](?!data:)|url\((?!#)|@import|<link|<script""", text)
     assert "default-src 'none'" in text
 
 
 def test_every_camera_colour_stands_out_from_the_page_and_from_the_others(edl_of_two: Edl) -> None:
     """3:1 against ground and card is what WCAG asks of graphics, 4.5:1 of text."""
-    text = bare(edl_of_two)
+    text = page_alone(edl_of_two)
     themes = [dict(re.findall(r"--(\w+): (#\w+)", block)) for block in re.findall(r":root \{([^}]*)\}", text)]
     assert len(themes) == 2
     for theme in themes:
@@ -248,21 +184,13 @@ def contrast(a: str, b: str) -> float:
     return (high + 0.05) / (low + 0.05)
 
 
-def test_the_clearest_moment_is_the_one_in_which_most_is_seen(edl_of_two: Edl) -> None:
+def test_the_clearest_frame_is_the_one_in_which_most_is_seen(edl_of_two: Edl) -> None:
     scores = measured_of(edl_of_two).scores
     best = int(scores.frames[5])
     scores.visible[5] = 1
     pose = attrs.evolve(edl_of_two.poses[0], solved_from=tuple(int(f) for f in scores.frames))
     assert clearest(pose, scores) == best
     assert clearest(attrs.evolve(pose, solved_from=()), None) == 50
-
-
-def test_views_laid_over_each_other_are_their_mean_where_they_reach() -> None:
-    dark, light = np.full((10, 20, 3), 40, np.uint8), np.full((10, 20, 3), 240, np.uint8)
-    aside = np.array([[1, 0, 10.0], [0, 1, 0], [0, 0, 1]])
-    made = superimposed({"a": dark, "b": light}, {"a": np.eye(3), "b": aside}, (20, 10))
-    assert (made[:, :10] == 40).all()
-    assert (made[:, 10:] == 140).all()
 
 
 # -------------------------------------------------------------------------------------------------- the real thing
@@ -275,15 +203,13 @@ def edl_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     simulate(Scenario(seed=307, duration_s=6, movements=0, size=(320, 180), cameras=3), folder / "recording", Silent())
     path = folder / "edl.json"
     made = analyse([folder / "recording"], path, settings=AnalysisSettings(), plugins=discover(), progress=Silent())
-    shots = tuple(
-        document.Shot(FrameRange(a, b), made.cameras[n].name) for a, b, n in ((0, 60, 0), (60, made.frames, 1))
-    )
+    shots = tuple(Shot(FrameRange(a, b), made.cameras[n].name) for a, b, n in ((0, 60, 0), (60, made.frames, 1)))
     cameras = (*made.cameras[:2], attrs.evolve(made.cameras[2], gaps=(FrameRange(20, 40),)))
     reason = "its matches with all the others contradict each other: they may show heads, not the field"
     poses = tuple(attrs.evolve(p, weak=(Weak("cam3", reason),)) for p in made.poses)
     override = Override(FrameRange(100, 140), camera="cam1", note="a_remark_without_a_single_space_" * 5)
     edl = attrs.evolve(made, shots=shots, cameras=cameras, poses=poses, overrides=(override,))
-    document.save(edl, path)
+    save(edl, path)
     return path
 
 
@@ -306,7 +232,7 @@ def test_the_same_edl_gives_the_same_bytes_and_tells_nothing_of_the_machine(repo
 
 
 def test_figures_that_were_measured_are_taken(edl_path: Path, tmp_path: Path) -> None:
-    edl = document.load(edl_path)
+    edl = load(edl_path)
     figures = tmp_path / "figures.json"
     done = evaluate(edl, edl_path.parent, every=60)
     figures.write_text(to_json(done), "utf-8")
@@ -333,7 +259,7 @@ def test_what_is_missing_is_told_in_its_place(edl_path: Path, tmp_path: Path) ->
 
 # ------------------------------------------------------------------------------------------------------ a browser
 
-LOOK = """<!doctype html><body><iframe id="f" src="%s" style="width:%dpx;height:900px;border:0"></iframe><script>
+PROBE = """<!doctype html><body><iframe id="f" src="%s" style="width:%dpx;height:900px;border:0"></iframe><script>
 f.onload = () => {
   const d = f.contentDocument, w = f.contentWindow, images = [...d.images];
   document.body.textContent = JSON.stringify({
@@ -358,15 +284,15 @@ def browser() -> str:
     return found
 
 
-def look(browser: str, report: Path, width: int, folder: Path) -> tuple[dict, list[str]]:
+def shown_in(browser: str, report: Path, width: int, folder: Path) -> tuple[dict, list[str]]:
     """What a headless browser says of the page at ``width``, and what it wrote on its console."""
-    shutil.copy(report, folder / "looked-at.html")
-    (folder / "look.html").write_text(LOOK % ("looked-at.html", width), "utf-8")
+    shutil.copy(report, folder / "copy.html")
+    (folder / "probe.html").write_text(PROBE % ("copy.html", width), "utf-8")
     options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--no-first-run"]
     options += ["--disable-background-networking", "--disable-component-update", "--allow-file-access-from-files"]
     options += [f"--user-data-dir={folder / 'profile'}", "--enable-logging=stderr", "--v=0"]
     options += ["--virtual-time-budget=10000", "--window-size=1300,1000", "--dump-dom"]
-    command = [browser, *options, (folder / "look.html").as_uri()]
+    command = [browser, *options, (folder / "probe.html").as_uri()]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
     text = re.sub(r"<[^>]*>", "", done.stdout).strip()
     return json.loads(html.unescape(text)), [line for line in done.stderr.splitlines() if "CONSOLE" in line]
@@ -377,7 +303,7 @@ def look(browser: str, report: Path, width: int, folder: Path) -> tuple[dict, li
 def test_a_browser_shows_all_of_it_and_scrolls_down_only(
     browser: str, report: Path, tmp_path: Path, width: int
 ) -> None:
-    seen, console = look(browser, report, width, tmp_path)
+    seen, console = shown_in(browser, report, width, tmp_path)
     assert seen["width"] == width
     assert seen["scroll"] <= width
     assert not seen["outside"]
@@ -395,11 +321,11 @@ def test_the_browser_would_tell_what_is_wrong(browser: str, report: Path, tmp_pa
     spoiled = text.replace("<header>", f'<header><div style="width:500px">wide</div>{picture}')
     path = tmp_path / "spoiled.html"
     path.write_text(spoiled, "utf-8")
-    seen, console = look(browser, path, 390, tmp_path)
+    seen, console = shown_in(browser, path, 390, tmp_path)
     assert seen["scroll"] > 390
     assert seen["outside"]
     assert not seen["alts"]
     assert seen["broken"] == 1
     assert any("Content Security Policy" in line for line in console)
     path.write_text(spoiled.replace("Content-Security-Policy", "x-none"), "utf-8")
-    assert "http://127.0.0.1:9/x.png" in look(browser, path, 390, tmp_path)[0]["fetched"]
+    assert "http://127.0.0.1:9/x.png" in shown_in(browser, path, 390, tmp_path)[0]["fetched"]

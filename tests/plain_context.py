@@ -1,4 +1,4 @@
-"""Cameras of one brightness each, as a filler sees them: through the same small interface that plugins get."""
+"""A filler's context whose cameras have one brightness each: the same small interface that plugins get."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ def grey(value, size=SIZE):
 
 
 @frozen(eq=False)
-class Scene:
-    """Cameras of one brightness each (a number, None, or by frame), seeing columns [left, right) of the programme.
+class PlainContext:
+    """Cameras of one brightness each (a number, None, or by frame), which show columns [left, right) of the programme.
 
-    poses: where the lamp stands still, and columns of cameras that see something else there.
+    poses: where the lamp stands still, and columns of cameras that show something else there. asked: every picture.
     """
 
     columns: dict
@@ -33,7 +33,7 @@ class Scene:
     rate: float = RATE
     size: tuple[int, int] = SIZE
     poses: tuple = ((FrameRange(0, 3000), {}),)
-    looked: list = field(factory=list)
+    asked: list = field(factory=list)
 
     def pose(self, frame):
         return next(pose for pose in self.poses if frame in pose[0])
@@ -60,31 +60,27 @@ class Scene:
     def front(self):
         return self.picture(self.camera, Rect(0, 0, *SIZE))
 
-    def seen(self, camera, frame):
+    def columns_of(self, camera, frame):
         return self.pose(self.frame if frame is None else frame)[1].get(camera, self.columns[camera])
 
     def change(self, camera, median_of):
         return np.zeros((-(-SIZE[1] // 16), -(-SIZE[0] // 16)), np.float32)
 
     def footprint(self, camera, frame=None, *, parallax_corrected=False):
-        left, right = self.seen(camera, frame)
+        left, right = self.columns_of(camera, frame)
         mask = np.zeros((SIZE[1] // 2, SIZE[0] // 2), np.uint8)
         mask[:, left // 2 : right // 2] = 255
         return mask
 
     def picture(self, camera, rect, median_of=(), blur_px=0.0, *, parallax_corrected=False):
-        self.looked.append((camera, tuple(median_of), blur_px))
+        self.asked.append((camera, tuple(median_of), blur_px))
         value = self.values[camera]
         shown = [value(f) if callable(value) else value for f in median_of or (self.frame,)]
         shown = sorted(v for v in shown if v is not None)
         if not shown:
             return None
         planes = grey(16)
-        left, right = self.seen(camera, median_of[0] if median_of else None)
+        left, right = self.columns_of(camera, median_of[0] if median_of else None)
         planes.y[:, left:right] = shown[(len(shown) - 1) // 2]
         planes = blurred(planes, blur_px) if blur_px else planes
         return rect.of(planes)
-
-
-def scene(columns, values, camera, **options):
-    return Scene(columns, values, camera, **options)
