@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import inspect
 from collections.abc import Iterator
 
@@ -17,8 +18,8 @@ INTRODUCTION = """\
 `mcsl --help` (or `-h`) and `mcsl COMMAND --help` say the same as this page. Options of `mcsl` itself stand before the
 command: `mcsl --progress json analyse ...`.
 
-**Exit codes**: 0 done, 2 wrong call, 3 input refused, 4 failed, 130 stopped. An error is one line that says what happened,
-where, and what to do next. A stop or a failure leaves nothing half-written; the same command carries on.
+**Exit codes**: 0 done, 2 wrong call, 3 input refused, 4 failed, 130 stopped. An error is one line that says what
+happened, where, and what to do next. A stop or a failure leaves nothing half-written; the same command carries on.
 """
 
 
@@ -38,7 +39,7 @@ def commands(
 
 def cell(text: str) -> str:
     """Text for a cell of a table."""
-    return " ".join(text.replace("|", "\\|").replace("<", "&lt;").split())
+    return " ".join(html.escape(text, quote=False).replace("|", "&#124;").split())
 
 
 def help_text(command: click.Command) -> str:
@@ -55,7 +56,7 @@ def help_text(command: click.Command) -> str:
 def options(command: click.Command, ctx: click.Context) -> str:
     """A table of the options, none where there are none."""
     records = [option.get_help_record(ctx) for option in command.params if isinstance(option, click.Option)]
-    rows = [f"| `{cell(names)}` | {cell(meaning)} |" for names, meaning in filter(None, records)]
+    rows = [f"| <code>{cell(names)}</code> | {cell(meaning)} |" for names, meaning in filter(None, records)]
     return "\n".join(["| option | meaning |", "|---|---|", *rows, ""]) if rows else ""
 
 

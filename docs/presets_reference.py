@@ -11,17 +11,17 @@ INTRODUCTION = """\
 
 <!-- Written by docs/generate.py from render_presets/*.json and mcsl_core/delivery/presets.py; change it there. -->
 
-A preset says what a delivery is: `mcsl render edl.json -o out.mov --preset prores`. Each names Blender's encoder and, equal to it, the
-one of `--engine direct`, which writes the same programme without Blender and without what lies above the channel Conformed.
-Blender itself writes ProRes and FFV1 without colour tags (the pictures are BT.709; FFV1 is full-range RGB there and
+A preset says what a delivery is: `mcsl render edl.json -o out.mov --preset prores`. Each names Blender's encoder and,
+equal to it, the one of `--engine direct`, which writes the same programme without Blender and without what lies above
+the channel Conformed. Blender itself writes ProRes and FFV1 without colour tags (the pictures are BT.709; FFV1 is full-range RGB there and
 BT.709 4:2:0 from the direct engine).
 """
 
 OWN = """\
 ## A preset of your own
 
-Copy one of the files, change it and name it: `mcsl render edl.json -o out.mp4 --preset mine.json`. A wrong value is refused
-with its place and what was expected.
+Copy one of the files, change it and name it: `mcsl render edl.json -o out.mp4 --preset mine.json`. A wrong value is
+refused with its place and what was expected.
 """
 
 

@@ -11,8 +11,8 @@ FRONT_DOOR = """\
 <!-- Written by docs/generate.py from what mcsl_core offers in __all__; the words are its docstrings. -->
 
 What `import mcsl_core as mcsl` offers: to analyse a recording, to look at every picture as the programme shows it, to
-overrule, to deliver and to measure. [The notebook](../tutorials/notebook.md) uses all of it. Importing the package imports
-nothing heavy; the stages are loaded when they are needed.
+overrule, to deliver and to measure. [The notebook](../tutorials/notebook.md) uses all of it. Importing the package
+imports nothing heavy; the stages are loaded when they are needed.
 """
 NOT_SHOWN = {"__version__"}
 
