@@ -13,8 +13,8 @@ INTRODUCTION = """\
 
 A preset says what a delivery is: `mcsl render edl.json -o out.mov --preset prores`. Each names Blender's encoder and,
 equal to it, the one of `--engine direct`, which writes the same programme without Blender and without what lies above
-the channel Conformed. Blender itself writes ProRes and FFV1 without colour tags (the pictures are BT.709; FFV1 is full-range RGB there and
-BT.709 4:2:0 from the direct engine).
+the channel Conformed. Blender itself writes ProRes and FFV1 without colour tags (the pictures are BT.709; FFV1 is
+full-range RGB there and BT.709 4:2:0 from the direct engine).
 """
 
 OWN = """\

@@ -77,8 +77,7 @@ def test_a_field_changed_in_the_classes_makes_the_pages_stale(copy: Path):
     checked = generate(copy, "--check")
     assert checked.returncode == 1
     assert checked.stderr.splitlines() == [
-        f"docs/{name} is stale: run python docs/generate.py"
-        for name in ("reference/edl.md", "reference/edl.schema.json")
+        f"docs/reference/{name} is stale: run python docs/generate.py" for name in ("edl.md", "edl.schema.json")
     ]
 
 

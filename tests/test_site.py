@@ -1,4 +1,4 @@
-"""The documentation site: built strictly, every command, preset and public name in it, no link broken, nothing fetched."""
+"""The documentation site: built strictly, with every command and preset, no link broken, nothing fetched."""
 
 from __future__ import annotations
 
