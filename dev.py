@@ -1,25 +1,27 @@
 #!/usr/bin/env python3
-"""Sets the project up and runs it, from a fresh checkout with nothing but Python and git.
+"""Makes the project's environment, from a fresh checkout with nothing but Python and git, and hands on to its tools.
 
     python3 dev.py demo [DIR]       the whole way once: simulated recording, analysis, Blender timeline, video
     python3 dev.py test [ARGS]      all checks and all tests (ARGS go to pytest)
     python3 dev.py fast [ARGS]      the quick tests only, without Blender
     python3 dev.py addon [OUT.zip]  builds the Blender extension (default: dist/mcsl-VERSION.zip)
     python3 dev.py test-addon [ARGS]   the tests of the extension, those inside Blender too
-    python3 dev.py lint             ruff, pyright, generated pages up to date
+    python3 dev.py lint             the checks that run no test
     python3 dev.py docs             writes the generated pages
-    python3 dev.py setup            only sets up
+    python3 dev.py site             builds the documentation site
+    python3 dev.py examples         runs the notebooks of examples/
+    python3 dev.py lock             pins the newest packages that fit
+    python3 dev.py setup            only sets up: the environment and Blender
     python3 dev.py mcsl ARGS        the command line itself
+    python3 dev.py run PROGRAM ARGS    any program of the environment
 
-Set-up is done by whichever comes first and again when pyproject.toml changes: an environment in .venv (another
-folder: MCSL_VENV) and, where no Blender is found, one as a Python module (`mcsl blender install`, under MCSL_HOME);
-for tests the oldest supported Blender as well (another: MCSL_BLENDER_OLDEST). Standard library only.
+The environment is .venv (another folder: MCSL_VENV), made from requirements.lock, and again when that, a pyproject.toml
+or mcsl's version changes. All but the last two are sessions of nox there (noxfile.py). Standard library only.
 """
 
 from __future__ import annotations
 
 import hashlib
-import json
 import os
 import shutil
 import subprocess
@@ -28,26 +30,14 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
 OLDEST = (3, 11)
-OLDEST_BLENDER = "4.5"
 NAMES = ("python3.11", "python3.12", "python3.13", "python3.14")
+TAKE_ARGUMENTS = ("demo", "test", "fast", "addon", "test-addon", "mcsl", "run")
+COMMANDS = (*TAKE_ARGUMENTS, "lint", "docs", "site", "examples", "lock", "setup")
 
-# Asked in the environment: is there a Blender, and which Debian packages would bpy still need?
-ASK_BLENDER = """
-import ctypes, json, sys
-from mcsl_core.blender import PACKAGES, find
-from mcsl_core.errors import BlenderError
-try:
-    kind = find().kind
-except BlenderError:
-    kind = ""
-packages = set()
-for library, package in PACKAGES.items() if sys.platform == "linux" and kind != "binary" else ():
-    try:
-        ctypes.CDLL(library)
-    except OSError:
-        packages.add(package)
-print(json.dumps({"found": bool(kind), "packages": sorted(packages)}))
-"""
+VENV = Path(os.environ.get("MCSL_VENV") or ROOT / ".venv").absolute()
+PROGRAMS = VENV / ("Scripts" if os.name == "nt" else "bin")
+PYTHON = str(PROGRAMS / ("python.exe" if os.name == "nt" else "python"))
+ALONE = {"PYTHONHOME": "", "PYTHONPATH": ""}  # no other environment shines through
 
 
 class Failure(Exception):
@@ -58,18 +48,28 @@ def say(text: str) -> None:
     print(f"dev.py: {text}", flush=True)
 
 
-# ------------------------------------------------------------------------------------------- finding a Python
+def call(trouble: str, command: list[str], log: Path | None = None, **variables: str) -> None:
+    """Runs a program in silence. Failure: ``trouble`` and what it said last; all that it said goes into ``log``."""
+    environment = {**os.environ, **variables}
+    done = subprocess.run(
+        command, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+    )
+    if done.returncode:
+        lines = [line.strip() for line in done.stdout.decode("utf-8", "replace").splitlines() if line.strip()]
+        errors = [line for line in lines if line.lower().startswith(("error", "e:"))]
+        said = (errors or lines or ["nothing was said"])[-1]
+        if log:
+            log.write_bytes(done.stdout)
+            said += f" (all of it: {log})"
+        raise Failure(f"{trouble}: {said}")
 
 
 def version_of(python: str) -> tuple[int, ...]:
     """(3, 12) of a Python that runs; () of one that does not (a shim may be there and still not run)."""
     try:
-        done = subprocess.run(
-            [python, "-c", "import sys; print(*sys.version_info[:2])"],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-        )
-        return tuple(int(part) for part in done.stdout.split())
+        command = [python, "-c", "import sys; print(*sys.version_info[:2])"]
+        said = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout
+        return tuple(int(part) for part in said.split())
     except (OSError, ValueError):
         return ()
 
@@ -78,228 +78,71 @@ def fitting_python() -> str:
     """This Python when it is new enough, else a newer one on PATH."""
     if sys.version_info[:2] >= OLDEST:
         return sys.executable
-    for name in NAMES:
-        path = shutil.which(name)
-        if path and version_of(path) >= OLDEST:
+    for path in filter(None, map(shutil.which, NAMES)):
+        if version_of(path) >= OLDEST:
             return path
     own = "{}.{}".format(*sys.version_info[:2])
     raise Failure(f"Python 3.11 or newer is needed; this is {own}, and none of {', '.join(NAMES)} is on PATH")
 
 
-# ----------------------------------------------------------------------------------------- the system's packages
-
-
-def as_root() -> list[str] | None:
-    """What to put before a command that needs root: nothing, sudo where it asks for no password, None where neither."""
-    if hasattr(os, "geteuid") and os.geteuid() == 0:
-        return []
-    sudo = shutil.which("sudo")
-    if sudo and subprocess.run([sudo, "-n", "true"], stderr=subprocess.DEVNULL).returncode == 0:
-        return [sudo, "-n"]
-    return None
-
-
 def install_system_packages(packages: list[str], reason: str) -> None:
-    """Brings Debian packages, or says the one line that does."""
+    """Brings Debian packages where that is allowed, else Failure with the line that does."""
     line = "apt-get install -y " + " ".join(packages)
-    root = as_root()
     if shutil.which("apt-get") is None:
         raise Failure(f"{reason}; bring what Debian calls {' '.join(packages)} with this system's package manager")
-    if root is None:
+    root = [] if os.geteuid() == 0 else [shutil.which("sudo") or "false", "-n"]
+    if root and subprocess.run([*root, "true"], stderr=subprocess.DEVNULL).returncode:
         raise Failure(f"{reason}; run as root: {line}")
     say(f"{reason}: {line}")
-    environment = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
-    for arguments in (["update"], ["install", "-y", "--no-install-recommends", *packages]):
-        done = subprocess.run(
-            [*root, "apt-get", "-q", *arguments],
-            env=environment,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-        )
-        if done.returncode:
-            raise Failure(f"{reason}; apt-get {arguments[0]} failed: {last_line(done.stdout)}; run as root: {line}")
+    for what in (["update"], ["install", "-y", "--no-install-recommends", *packages]):
+        try:
+            call(f"apt-get {what[0]} failed", [*root, "apt-get", "-q", *what], DEBIAN_FRONTEND="noninteractive")
+        except Failure as failure:
+            raise Failure(f"{reason}; {failure}; run as root: {line}") from None
 
 
-def last_line(output: bytes) -> str:
-    """What a failed program said at the end: its last line that speaks of an error, else its last line."""
-    lines = [line.strip() for line in output.decode("utf-8", "replace").splitlines() if line.strip()]
-    errors = [line for line in lines if line.lower().startswith(("error", "e:"))]
-    return (errors or lines or ["nothing was said"])[-1]
-
-
-# --------------------------------------------------------------------------------------------- the environment
-
-
-class Environment:
-    """The project's own Python environment."""
-
-    def __init__(self) -> None:
-        self.folder = Path(os.environ.get("MCSL_VENV") or ROOT / ".venv").absolute()
-        self.programs = self.folder / ("Scripts" if os.name == "nt" else "bin")
-        self.python = str(self.programs / ("python.exe" if os.name == "nt" else "python"))
-        self.stamp = self.folder / "mcsl-setup"
-
-    def variables(self) -> dict[str, str]:
-        """For programs run in it: its programs come first, and no other environment shines through."""
-        kept = {k: v for k, v in os.environ.items() if k not in ("PYTHONHOME", "PYTHONPATH")}
-        path = str(self.programs) + os.pathsep + kept.get("PATH", "")
-        return {**kept, "VIRTUAL_ENV": str(self.folder), "PATH": path}
-
-    def call(self, *arguments: str) -> int:
-        """Runs its Python with arguments, from the project's folder or (for mcsl) where the user stands."""
-        return subprocess.run([self.python, *arguments], env=self.variables(), cwd=ROOT).returncode
-
-    def mcsl(self, *arguments: str) -> int:
-        command = [self.python, "-c", "import sys; from mcsl_core.cli.main import main; sys.exit(main())", *arguments]
-        return subprocess.run(command, env=self.variables()).returncode
-
-    def wanted(self) -> str:
-        """A text that changes when what is to be installed does."""
-        digest = hashlib.sha256(f"{ROOT}\n".encode())
-        for file in [ROOT / "pyproject.toml", *plugin_projects()]:
-            digest.update(f"{file.relative_to(ROOT)}\n".encode() + file.read_bytes())
-        return digest.hexdigest()
-
-    def ready(self) -> bool:
-        return self.stamp.is_file() and self.stamp.read_text() == self.wanted() and version_of(self.python) >= OLDEST
-
-    def make(self) -> None:
-        """Makes it and installs the project, its plugins and the tools for tests; quick when that was done before."""
-        if self.ready():
-            return
-        if version_of(self.python) < OLDEST:
-            self._create()
-        say(f"installing the Python packages into {self.folder} (minutes, the first time)")
-        projects = [part for file in plugin_projects() for part in ("-e", str(file.parent))]
-        done = subprocess.run(
-            [self.python, "-m", "pip", "install", "--disable-pip-version-check", "-e", f"{ROOT}[test]", *projects],
-            env=self.variables(),
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-        )
-        if done.returncode:
-            log = self.folder / "mcsl-setup.log"
-            log.write_bytes(done.stdout)
-            raise Failure(f"the Python packages could not be installed: {last_line(done.stdout)} (all of it: {log})")
-        self.stamp.write_text(self.wanted())
-
-    def _create(self) -> None:
-        known = (self.folder / "pyvenv.cfg").is_file()
-        if self.folder.is_dir() and any(self.folder.iterdir()) and not known:
-            raise Failure(f"{self.folder} is there and is no Python environment; name another folder by MCSL_VENV")
+def make_environment() -> None:
+    """Installs what requirements.lock pins, the project and its plugins; quick when that was done before."""
+    plugins = sorted(ROOT.glob("plugins/*/pyproject.toml"))
+    wanted = hashlib.sha256(f"{ROOT}\n".encode())
+    for file in (ROOT / "requirements.lock", ROOT / "pyproject.toml", ROOT / "mcsl_core" / "__init__.py", *plugins):
+        wanted.update(f"{file.relative_to(ROOT)}\n".encode() + file.read_bytes())
+    stamp, fits = VENV / "mcsl-setup", version_of(PYTHON) >= OLDEST
+    if fits and stamp.is_file() and stamp.read_text() == wanted.hexdigest():
+        return
+    if not fits:
+        if VENV.is_dir() and any(VENV.iterdir()) and not (VENV / "pyvenv.cfg").is_file():
+            raise Failure(f"{VENV} is there and is no Python environment; name another folder by MCSL_VENV")
         python = fitting_python()
         if subprocess.run([python, "-c", "import ensurepip, venv"], stderr=subprocess.DEVNULL).returncode:
             package = "python{}.{}-venv".format(*version_of(python))
             install_system_packages([package], "Python's venv module is missing")
         say(f"making an environment with {python}")
-        done = subprocess.run(
-            [python, "-m", "venv", "--clear", str(self.folder)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT
-        )
-        if done.returncode:
-            raise Failure(f"no environment could be made in {self.folder}: {last_line(done.stdout)}")
-
-
-def plugin_projects() -> list[Path]:
-    return sorted(ROOT.glob("plugins/*/pyproject.toml"))
-
-
-def bring_blender(environment: Environment) -> None:
-    """Makes sure that a Blender is found and has its libraries; one as a Python module where there is none."""
-    done = subprocess.run(
-        [environment.python, "-c", ASK_BLENDER], env=environment.variables(), stdout=subprocess.PIPE, cwd=ROOT
-    )
-    if done.returncode:
-        raise Failure("mcsl cannot say which Blender there is (its own words stand above)")
-    answer = json.loads(done.stdout)
-    if answer["packages"]:
-        try:
-            install_system_packages(answer["packages"], "Blender needs system libraries")
-        except Failure as failure:  # it may do without some of them; where it does not, it says so itself
-            say(str(failure))
-    if not answer["found"]:
-        say("bringing Blender as a Python module (several hundred megabytes, once)")
-        if environment.mcsl("blender", "install"):
-            raise Failure("Blender could not be brought; `python3 dev.py mcsl blender` says more")
-
-
-def bring_oldest_blender(environment: Environment) -> None:
-    """Makes sure that the tests which run in two Blenders have the second. Where it cannot be had they are skipped."""
-    if not os.environ.get("MCSL_BLENDER_OLDEST") and environment.mcsl(
-        "blender", "install", "--version", OLDEST_BLENDER
+        call(f"no environment could be made in {VENV}", [python, "-m", "venv", "--clear", str(VENV)])
+    say(f"installing the Python packages into {VENV} (minutes, the first time)")
+    projects = [part for file in (ROOT / "pyproject.toml", *plugins) for part in ("-e", str(file.parent))]
+    for what in (
+        ["--require-hashes", "-r", str(ROOT / "requirements.lock")],
+        ["--no-deps", "--no-build-isolation", *projects],  # what they need, and what builds them, is there already
     ):
-        say(f"without Blender {OLDEST_BLENDER} the tests that want it are skipped")
+        command = [PYTHON, "-m", "pip", "install", "--disable-pip-version-check", *what]
+        call("the Python packages could not be installed", command, VENV / "mcsl-setup.log", **ALONE)
+    stamp.write_text(wanted.hexdigest())
 
 
-# ------------------------------------------------------------------------------------------------- the commands
-
-
-def lint(environment: Environment) -> list[str]:
-    """Runs every check; the names of those that failed."""
-    checks = {
-        "ruff check": ("-m", "ruff", "check", "."),
-        "ruff format": ("-m", "ruff", "format", "--check", "--quiet", "."),
-        "pyright": ("-m", "pyright", "--pythonpath", environment.python),
-        "docs/generate.py --check": ("docs/generate.py", "--check"),
-    }
-    failed = []
-    for name, arguments in checks.items():
-        say(name)
-        if environment.call(*arguments):
-            failed.append(name)
-    return failed
-
-
-def pytest(environment: Environment, *arguments: str) -> list[str]:
-    say("pytest")
-    return ["pytest"] if environment.call("-m", "pytest", *arguments) else []
-
-
-def which_tests(arguments: list[str]) -> list[str]:
-    """``arguments`` for pytest; all tests where they name no file or folder of tests."""
-    if any((ROOT / argument.split("::")[0]).exists() for argument in arguments if not argument.startswith("-")):
-        return arguments
-    return [*all_tests(), *arguments]
-
-
-def all_tests() -> list[str]:
-    return ["tests", *(str(f.parent / "tests") for f in plugin_projects() if (f.parent / "tests").is_dir())]
-
-
-COMMANDS = ("demo", "test", "fast", "addon", "test-addon", "lint", "docs", "setup", "mcsl")
-NEED_BLENDER = ("demo", "test", "addon", "test-addon", "setup")
-NEED_THE_OLDEST = ("test", "test-addon")
-TAKE_ARGUMENTS = ("demo", "test", "fast", "addon", "test-addon", "mcsl")
-
-
-def run(command: str, arguments: list[str]) -> int:
-    environment = Environment()
-    environment.make()
-    if command in NEED_BLENDER:
-        bring_blender(environment)
-    if command in NEED_THE_OLDEST:
-        bring_oldest_blender(environment)
-    if command in ("demo", "mcsl"):
-        return environment.mcsl(*(["demo"] if command == "demo" else []), *arguments)
-    failed: list[str] = []
-    if command == "setup":
-        say(f"ready: {environment.programs}")
-    elif command == "docs":
-        return environment.call("docs/generate.py")
-    elif command == "lint":
-        failed = lint(environment)
-    elif command == "test":
-        failed = [*lint(environment), *pytest(environment, *which_tests(arguments))]
-    elif command == "fast":
-        failed = pytest(environment, "-m", "not slow and not blender", *which_tests(arguments))
-    elif command == "addon":
-        return environment.call("tools/extension.py", *(str(Path(argument).absolute()) for argument in arguments))
-    elif command == "test-addon":
-        failed = pytest(environment, "tests/addon", "tests/blender", *arguments)
-    if failed:
-        raise Failure(f"failed: {', '.join(failed)}")
-    return 0
+def hand_on(command: list[str]) -> int:
+    """Runs a program of the environment where the user stands. Ctrl-C goes to it as well: it ends when it has ended."""
+    path = str(PROGRAMS) + os.pathsep + os.environ.get("PATH", "")
+    try:
+        child = subprocess.Popen(command, env={**os.environ, **ALONE, "VIRTUAL_ENV": str(VENV), "PATH": path})
+    except OSError:
+        raise Failure(f"{command[0]} is not there, or does not run") from None
+    stopped = False
+    while True:
+        try:
+            return 130 if child.wait() and stopped else child.returncode
+        except KeyboardInterrupt:
+            stopped = True
 
 
 def main(arguments: list[str]) -> int:
@@ -312,7 +155,12 @@ def main(arguments: list[str]) -> int:
         print(f"dev.py: {wrong}; one of {', '.join(COMMANDS)} (python3 dev.py --help tells more)", file=sys.stderr)
         return 2
     try:
-        return run(command, rest)
+        make_environment()
+        if command == "mcsl":
+            return hand_on([str(PROGRAMS / "mcsl"), *rest])
+        if command == "run":
+            return hand_on([str(PROGRAMS / "".join(rest[:1])), *rest[1:]])
+        return hand_on([PYTHON, "-m", "nox", "-f", str(ROOT / "noxfile.py"), "-s", command, "--", *rest])
     except Failure as failure:
         print(f"dev.py: {failure}", file=sys.stderr, flush=True)
         return 1

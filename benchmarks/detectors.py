@@ -42,6 +42,7 @@ from mcsl_core.occlusion.scoring import ScoringSegment, scoring_segments
 from mcsl_core.progress import Silent
 from mcsl_core.recording.cameras import open_cameras
 from mcsl_core.recording.footage import Footage
+from mcsl_core.recording.keyframe_sampling import sample_cameras
 from mcsl_core.recording.sample_store import SAMPLE_HEIGHT, SampleStore
 from mcsl_core.simulation import Scenario, Truth, load_truth, simulate
 from mcsl_core.timing import FrameRange
@@ -92,7 +93,7 @@ class Looked:
     at: NDArray[np.int64]
 
     def stretches(self, detector: plugins.Offer) -> tuple[ScoringSegment, ...]:
-        return scoring_segments(self.samples, self.solved, self.movements, detector)
+        return scoring_segments(self.samples, self.solved, self.movements, detector.checked)
 
     def seen(self) -> NDArray[np.float64]:
         """(samples, cameras): the true visible share in each picture."""
@@ -116,7 +117,9 @@ def look(folder: Path, name: str) -> Looked:
     kept = folder / f"{name}.poses.npz"
     if not kept.exists():
         solved = [_solved(piece, samples, movements, footage, truth) for piece in pose_ranges(movements, truth.frames)]
-        at = [[s.at[c] for c in samples.cameras] for s in footage.samples(step_s=1.0, height=16)]
+        at = [
+            [s.at[c] for c in samples.cameras] for s in sample_cameras(footage, samples.cameras, step_s=1.0, height=16)
+        ]
         np.savez_compressed(kept, at=np.array(at), **POSES.pack(solved))  # pyright: ignore[reportArgumentType]
     with np.load(kept) as stored:
         arrays = dict(stored)

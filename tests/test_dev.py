@@ -1,7 +1,8 @@
-"""dev.py, run as a newcomer runs it: a real process, a real environment, a real pip; only the project is a tiny one.
+"""dev.py, run as a newcomer runs it: a real process, a real environment, real pip and nox; only the project is tiny.
 
-The tiny project builds itself (its own build backend) and depends on nothing, so no package is fetched from anywhere.
-Programs that would change the system (apt-get, sudo) are stand-ins that write down how they were called.
+The tiny project builds itself (its own build backend) and its lock file is empty, so no package is fetched from
+anywhere; nox is the one these tests run with, its sessions are the real ones. Programs that would change the system
+(apt-get, sudo) are stand-ins that write down how they were called.
 """
 
 from __future__ import annotations
@@ -9,35 +10,42 @@ from __future__ import annotations
 import ast
 import json
 import os
+import re
 import runpy
 import shutil
+import signal
 import stat
 import subprocess
 import sys
+import sysconfig
 import tempfile
+import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
 
 ROOT = Path(__file__).parents[1]
+SIDE_BY_SIDE = ("-n", "auto", "--maxprocesses", "4", "--dist", "loadfile")
 pytestmark = [
     pytest.mark.slow,  # an environment takes seconds to make
     pytest.mark.skipif(os.name == "nt", reason="the stand-ins are shell scripts"),
 ]
 
-BACKEND = '''
-"""The least that pip asks of a build backend: an editable wheel that points at the project's folder."""
+BACKEND = f'''
+"""The least that pip asks of a build backend: an editable wheel that points at the project's folder, then at nox's."""
 import os, zipfile
 
 def build_editable(folder, config_settings=None, metadata_directory=None):
     name = "mcsl-0.0-py3-none-any.whl"
     info = "mcsl-0.0.dist-info"
     with zipfile.ZipFile(os.path.join(folder, name), "w") as wheel:
-        wheel.writestr("mcsl.pth", os.getcwd() + "\\n")
-        facts = ["Metadata-Version: 2.1", "Name: mcsl", "Version: 0.0", "Provides-Extra: test", ""]
-        wheel.writestr(info + "/METADATA", "\\n".join(facts))
-        facts = ["Wheel-Version: 1.0", "Generator: own", "Root-Is-Purelib: true", "Tag: py3-none-any", ""]
-        wheel.writestr(info + "/WHEEL", "\\n".join(facts))
+        wheel.writestr("mcsl.pth", os.getcwd() + "\\n{sysconfig.get_path("purelib")}\\n")
+        wheel.writestr(info + "/METADATA", "Metadata-Version: 2.1\\nName: mcsl\\nVersion: 0.0\\n")
+        wheel.writestr(info + "/WHEEL", "Wheel-Version: 1.0\\nRoot-Is-Purelib: true\\nTag: py3-none-any\\n")
+        programs = ["[console_scripts]", "mcsl = mcsl_core.cli:main", "lint-imports = lint_imports:main", ""]
+        wheel.writestr(info + "/entry_points.txt", "\\n".join(programs))
         wheel.writestr(info + "/RECORD", "")
     return name
 
@@ -54,8 +62,8 @@ version = "0.0"
 """
 MODULES = {
     "errors": "class BlenderError(Exception): pass\n",
-    "blender": (
-        "import os\nfrom .errors import BlenderError\n"
+    "blender/installation": (
+        "import os\nfrom ..errors import BlenderError\n"
         "PACKAGES = {'libmcsl-surely-missing.so.1': 'libmcsl1'}\n"
         "class Found: kind = 'module'\n"
         "def find():\n"
@@ -63,9 +71,13 @@ MODULES = {
         "    return Found\n"
     ),
     "cli": (
-        "import os, sys\n"
+        "import os, sys, time\n"
         "def main():\n"
-        "    print('mcsl', *sys.argv[1:], 'in', os.getcwd(), flush=True)\n"
+        "    try:\n"
+        "        print('mcsl', *sys.argv[1:], 'in', os.getcwd(), flush=True)\n"
+        "        time.sleep(60 * ('wait' in sys.argv))\n"
+        "    except KeyboardInterrupt:\n"
+        "        time.sleep(1); print('ended well', flush=True); return 5\n"
         "    if sys.argv[1:] == ['blender', 'install']: os.mkdir(os.environ['MCSL_HOME'])\n"
         "    return 7 if 'fail' in sys.argv else 0\n"
     ),
@@ -82,9 +94,12 @@ class Project:
         self.bin = folder / "bin"
         self.venv = folder / "venv"
         self.home = folder / "home"
-        (self.root / "mcsl_core").mkdir(parents=True)
+        (self.root / "mcsl_core" / "blender").mkdir(parents=True)
         self.bin.mkdir()
-        shutil.copy(ROOT / "dev.py", self.root)
+        (self.root / "tools").mkdir()
+        for name in ("dev.py", "noxfile.py", "tools/bring_blender.py"):
+            shutil.copy(ROOT / name, self.root / name)
+        (self.root / "requirements.lock").touch()
         (self.root / "backend.py").write_text(BACKEND)
         (self.root / "pyproject.toml").write_text(PYPROJECT)
         for name, text in MODULES.items():
@@ -101,23 +116,53 @@ class Project:
     def system_calls(self) -> list[str]:
         return self.log.read_text().splitlines() if self.log.exists() else []
 
-    def dev(self, *arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
+    def start(self, *arguments: str, **variables: str) -> subprocess.Popen[str]:
         environment = {
             "PATH": f"{self.bin}{os.pathsep}/usr/bin{os.pathsep}/bin",
             "HOME": str(self.root.parent),
             "MCSL_VENV": str(self.venv),
             "MCSL_HOME": str(self.home),
+            "MCSL_BLENDER_OLDEST": "given",
             **variables,
         }
-        command = [sys.executable, str(self.root / "dev.py"), *arguments]
-        return subprocess.run(
-            command, env=environment, cwd=self.root.parent, capture_output=True, text=True, stdin=subprocess.DEVNULL
+        return subprocess.Popen(
+            [sys.executable, str(self.root / "dev.py"), *arguments],
+            env=environment,
+            cwd=self.root.parent,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
         )
+
+    def dev(self, *arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
+        child = self.start(*arguments, **variables)
+        out, err = child.communicate()
+        return subprocess.CompletedProcess(child.args, child.returncode, out, err)
 
 
 @pytest.fixture
 def project(tmp_path: Path) -> Project:
     return Project(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Project:
+    project = Project(tmp_path_factory.mktemp("made"))
+    done = project.dev("mcsl")
+    assert done.returncode == 0, done.stderr
+    return project
+
+
+@pytest.fixture
+def ready(made: Project) -> Iterator[Project]:
+    """A project whose environment is there already, for what comes after; the next test finds it as this one did."""
+    yield made
+    shutil.rmtree(made.home, ignore_errors=True)
+    for path in (made.log, made.bin / "sudo"):
+        path.unlink(missing_ok=True)
+    made.stand_in("apt-get")
 
 
 def only_line(text: str) -> str:
@@ -135,11 +180,12 @@ def test_set_up_once_then_quick_then_again_when_the_project_changes(project):
     second = project.dev("mcsl", "plugins")
     assert only_line(second.stdout) == f"mcsl plugins in {project.root.parent}"
 
-    with (project.root / "pyproject.toml").open("a") as stream:
-        stream.write("# changed\n")
-    third = project.dev("mcsl", "plugins")
-    assert "installing the Python packages" in third.stdout
-    assert "making an environment" not in third.stdout
+    for name in ("pyproject.toml", "requirements.lock", "mcsl_core/__init__.py"):  # the last one has the version
+        with (project.root / name).open("a") as stream:
+            stream.write("# changed\n")
+        third = project.dev("mcsl", "plugins")
+        assert "installing the Python packages" in third.stdout
+        assert "making an environment" not in third.stdout
 
     (project.venv / "bin" / "python").unlink()
     fourth = project.dev("mcsl", "plugins")
@@ -148,36 +194,53 @@ def test_set_up_once_then_quick_then_again_when_the_project_changes(project):
     assert project.system_calls == []
 
 
-def test_the_demo_brings_blender_and_its_libraries_once(project):
-    project.stand_in("sudo", 'shift; exec "$@"')
-    first = project.dev("demo", "out")
+def test_the_demo_brings_blender_and_its_libraries_once(ready):
+    ready.stand_in("sudo", 'shift; exec "$@"')
+    first = ready.dev("demo", "out")
     assert first.returncode == 0, first.stdout + first.stderr
     order = [line for line in first.stdout.splitlines() if line.startswith("mcsl ")]
     assert [line.split(" in ")[0] for line in order] == ["mcsl blender install", "mcsl demo out"]
-    calls = [c for c in project.system_calls if c.startswith("apt-get")]
+    calls = [c for c in ready.system_calls if c.startswith("apt-get")]
     assert calls == ["apt-get -q update", "apt-get -q install -y --no-install-recommends libmcsl1"]
-    second = project.dev("demo")
+    second = ready.dev("demo")
     assert "blender install" not in second.stdout
 
 
-def test_libraries_that_cannot_be_brought_are_named_and_do_not_stop_the_rest(project):
-    project.stand_in("apt-get", "echo 'E: no network'; exit 100")
-    project.stand_in("sudo", 'shift; exec "$@"')
-    done = project.dev("setup")
+def test_libraries_that_cannot_be_brought_are_named_and_do_not_stop_the_rest(ready):
+    ready.stand_in("apt-get", "echo 'E: no network'; exit 100")
+    ready.stand_in("sudo", 'shift; exec "$@"')
+    done = ready.dev("setup")
     assert done.returncode == 0
     assert "apt-get update failed: E: no network; run as root: apt-get install -y libmcsl1" in done.stdout
-    assert done.stdout.splitlines()[-1] == f"dev.py: ready: {project.venv / 'bin'}"
+    assert done.stdout.splitlines()[-1] == f"tools/bring_blender.py: ready: {ready.venv / 'bin'}"
 
 
-def test_a_failing_command_hands_its_code_on(project):
-    assert project.dev("mcsl", "fail").returncode == 7
+def test_a_failing_command_hands_its_code_on(ready):
+    assert ready.dev("mcsl", "fail").returncode == 7
+    assert ready.dev("run", "mcsl", "fail").returncode == 7
+    missing = ready.dev("run", "mcls")
+    assert missing.returncode == 1
+    assert only_line(missing.stderr) == f"dev.py: {ready.venv / 'bin' / 'mcls'} is not there, or does not run"
+
+
+@pytest.mark.parametrize("command", ["mcsl", "demo"])
+def test_ctrl_c_lets_what_runs_end_well_and_gives_130(ready, command):
+    ready.home.mkdir()
+    with ready.start(command, "wait") as child:
+        assert child.stdout is not None
+        while not (line := child.stdout.readline()).startswith("mcsl"):
+            assert line, child.communicate()
+        os.killpg(child.pid, signal.SIGINT)  # as the terminal does: every process of the foreground gets it
+        out, _ = child.communicate(timeout=60)
+    assert (child.returncode, out) == (130, "ended well\n")
 
 
 def test_a_blender_that_cannot_be_brought_is_one_line(project):
     (project.root / "mcsl_core" / "cli.py").write_text("def main(): return 4\n")
     done = project.dev("setup")
     assert done.returncode == 1
-    assert only_line(done.stderr) == "dev.py: Blender could not be brought; `python3 dev.py mcsl blender` says more"
+    words = "tools/bring_blender.py: Blender could not be brought; `python3 dev.py mcsl blender` says more"
+    assert done.stdout.splitlines()[-1] == words
 
 
 def test_packages_that_cannot_be_installed_are_one_line_and_a_log(project):
@@ -247,6 +310,9 @@ def test_without_root_and_sudo_the_line_to_run_is_told(without_venv):
     with tempfile.TemporaryDirectory() as name:
         os.chmod(name, 0o755)
         shutil.copy(ROOT / "dev.py", name)
+        (Path(name) / "mcsl_core").mkdir()
+        for empty in ("requirements.lock", "mcsl_core/__init__.py"):
+            (Path(name) / empty).touch()
         shutil.copytree(without_venv.root.parent / "broken", Path(name) / "broken")
         shutil.copytree(without_venv.bin, Path(name) / "bin")
         (Path(name) / "pyproject.toml").write_text(PYPROJECT)
@@ -267,7 +333,7 @@ def test_wrong_calls_are_one_line_and_code_2(project):
     for arguments in ((), ("tset",), ("setup", "now"), ("lint", "--fix")):
         done = project.dev(*arguments)
         assert done.returncode == 2
-        assert "one of demo, test, fast, addon, test-addon, lint, docs, setup, mcsl" in only_line(done.stderr)
+        assert "one of demo, test, fast, addon, test-addon, mcsl, run, lint, docs" in only_line(done.stderr)
     assert not project.venv.exists()
     assert "python3 dev.py test" in project.dev("--help").stdout
 
@@ -300,46 +366,61 @@ def test_an_old_python_can_read_the_script_and_says_what_it_needs(project):
 
 def test_the_question_about_blender_is_understood_by_the_real_mcsl(tmp_path):
     """The tiny project's answer is made up; the real one must answer to the same words."""
-    dev = runpy.run_path(str(ROOT / "dev.py"))
+    code = "import json, runpy; t = runpy.run_path('tools/bring_blender.py')\n"
+    code += "print(json.dumps([t['kind_found'](), t['lacking']()]))"
     environment = {**os.environ, "MCSL_HOME": str(tmp_path), "MCSL_BLENDER": str(tmp_path / "none")}
-    done = subprocess.run(
-        [sys.executable, "-c", dev["ASK_BLENDER"]], env=environment, cwd=ROOT, capture_output=True, text=True
-    )
+    done = subprocess.run([sys.executable, "-c", code], env=environment, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    answer = json.loads(done.stdout)
-    assert answer["found"] is False
-    assert all(name.startswith("lib") for name in answer["packages"])
+    kind, packages = json.loads(done.stdout)
+    assert kind == ""
+    assert all(name.startswith("lib") for name in packages)
 
 
-# ------------------------------------------------------------------------------------------------ the checks
+# ----------------------------------------------------------------------------------------------- the sessions
 
 
-def test_every_check_runs_and_those_that_fail_are_named_at_the_end(project):
+def test_every_command_is_a_session():
+    dev = runpy.run_path(str(ROOT / "dev.py"))
+    command = [sys.executable, "-m", "nox", "-f", str(ROOT / "noxfile.py"), "--list"]
+    listed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert set(dev["COMMANDS"]) - {"mcsl", "run"} <= set(re.findall(r"^[*-] (\S+)", listed, re.MULTILINE))
+    for command in dev["COMMANDS"]:
+        assert f"python3 dev.py {command} " in dev["__doc__"]
+
+
+def test_every_check_runs_and_those_that_fail_are_named(project):
     """Stand-ins for the tools, as modules of the tiny project: what is tested is that no failure gets lost."""
     for name, code in (("ruff", 0), ("pyright", 1), ("pytest", 5)):
         (project.root / f"{name}.py").write_text(f"import sys; print('{name}', *sys.argv[1:]); sys.exit({code})\n")
+    (project.root / "lint_imports.py").write_text(
+        "def main(): import sys; print('lint-imports', *sys.argv[1:]); return 1\n"
+    )
     (project.root / "docs").mkdir()
     (project.root / "docs" / "generate.py").write_text("import sys; print('generate', *sys.argv[1:])\n")
     plugin = project.root / "plugins" / "one"
     (plugin / "tests").mkdir(parents=True)
     (plugin / "pyproject.toml").write_text(PYPROJECT.replace('"mcsl"', '"one"'))
-    (plugin / "backend.py").write_text(BACKEND.replace("mcsl", "one"))
+    (plugin / "backend.py").write_text(BACKEND.replace("mcsl-0.0", "one-0.0").replace("Name: mcsl", "Name: one"))
     project.home.mkdir()
-    done = project.dev("test", "-k", "edl")
+    done = project.dev("test", "-k", "edl", MCSL_BLENDER_OLDEST="")
     assert done.returncode == 1
-    assert only_line(done.stderr) == "dev.py: failed: pyright, pytest"
     assert list(project.venv.glob("lib/*/site-packages/one-0.0.dist-info")), "a plugin is installed before it is tested"
-    said = [line for line in done.stdout.splitlines() if not line.startswith("dev.py")]
+    said = [line for line in done.stdout.splitlines() if not line.startswith(("dev.py", "tools/"))]
     assert said[0].startswith("mcsl blender install --version 4.5 in"), "tests run in the oldest Blender too"
     assert said[1:] == [
         "ruff check .",
         "ruff format --check --quiet .",
         f"pyright --pythonpath {project.venv / 'bin' / 'python'}",
+        "lint-imports --no-logo",
         "generate --check",
-        f"pytest tests {plugin / 'tests'} -k edl",
+        f"pytest {' '.join(SIDE_BY_SIDE)} tests plugins/one/tests -k edl",
     ]
+    assert "nox > failed: pyright, lint-imports, pytest\n" in done.stderr
     quick = project.dev("fast", "plugins/one/tests::that")
-    assert "pytest -m not slow and not blender plugins/one/tests::that\n" in quick.stdout, "only what is named"
+    expected = f"pytest {' '.join(SIDE_BY_SIDE)} -m not slow and not blender plugins/one/tests::that\n"
+    assert expected in quick.stdout, "only what is named"
+    alone = project.dev("fast", "-n0", "plugins")
+    assert "pytest -m not slow and not blender -n0 plugins\n" in alone.stdout, "one's own -n wins"
 
 
 def test_ci_uses_fresh_environments_and_takes_them_away(project, tmp_path):
@@ -364,3 +445,23 @@ def test_ci_uses_fresh_environments_and_takes_them_away(project, tmp_path):
     assert home.startswith(str(scratch))
     assert last == f"{project.root} test"
     assert list(scratch.iterdir()) == []
+
+
+# -------------------------------------------------------------------------------------------------- the lock
+
+
+def test_the_lock_pins_what_the_projects_ask_for_with_hashes_and_names_no_index():
+    text = (ROOT / "requirements.lock").read_text("utf-8")
+    assert "://" not in text
+    entries = re.findall(r"^(\S+?)==(\S+).*\\\n((?:    --hash=sha256:[0-9a-f]{64}(?: \\)?\n)+)", text, re.MULTILINE)
+    assert len(entries) == len(re.findall(r"^[^\s#]", text, re.MULTILINE)), "each entry has its hashes"
+    pinned = {name: version for name, version, _ in entries}
+    own = {"mcsl"}
+    wanted = []
+    for path in (ROOT / "pyproject.toml", *ROOT.glob("plugins/*/pyproject.toml")):
+        project = tomllib.loads(path.read_text("utf-8"))["project"]
+        extras = project.get("optional-dependencies", {}) if path.parent == ROOT else {}
+        wanted += project["dependencies"] + [line for name in extras if name != "bpy" for line in extras[name]]
+    for requirement in map(Requirement, wanted):
+        if requirement.name not in own:
+            assert pinned.get(requirement.name) in requirement.specifier, f"{requirement}: run python3 dev.py lock"

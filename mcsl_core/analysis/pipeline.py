@@ -37,6 +37,7 @@ from mcsl_core.sync.synchronise import synchronise
 from mcsl_core.timing import FrameRange
 
 from .cache import CLOCKS, CUTS, DETECTION, POSES, SCORES, StageCache, code_digest, identity, key_of
+from .measurements import Measurements
 from .settings import AnalysisSettings
 
 
@@ -103,7 +104,7 @@ def analyse(
     places = gaze_places(looks, made) if settings.gaze else [_field_place(s, made.size) for s in solved]
     keys = chosen["centerer"].checked.centre(places, size=made.size, rate=float(rate))
     made = attrs.evolve(made, centering=tuple(keys))
-    table.save(scores_path)
+    Measurements(table, detection.curve).save(scores_path)
     edl.save(made, out)
     return made
 
@@ -138,7 +139,7 @@ def _looked_into(
 
         @lru_cache
         def pieces() -> tuple[ScoringSegment, ...]:
-            return scoring_segments(samples(), solved, detection.movements, chosen["occlusion"])
+            return scoring_segments(samples(), solved, detection.movements, chosen["occlusion"].checked)
 
         def refined() -> tuple[int, ...]:
             return refine_switches(shots, footage, pieces(), detection.movements, progress)
@@ -151,7 +152,7 @@ def _looked_into(
         table = cache.remember("scores", scores, scored, SCORES)
         shots = chosen["selector"].checked.select(table, frames=footage.frames, rate=footage.rate)
         cuts = cache.remember("cuts", key_of(scores, [(s.range.start, s.camera) for s in shots]), refined, CUTS)
-    return detection, solved, attrs.evolve(table, movement=detection.curve), with_switches_at(shots, cuts)
+    return detection, solved, table, with_switches_at(shots, cuts)
 
 
 @contextmanager

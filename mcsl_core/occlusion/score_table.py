@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
-from attrs import field, frozen
+from attrs import frozen
 from numpy.typing import NDArray
-
-from mcsl_core.documents import write_atomic
-from mcsl_core.errors import DocumentError
-from mcsl_core.movement.protocol import NO_CURVE, Curve
 
 
 @frozen(eq=False)
@@ -21,14 +15,12 @@ class ScoreTable:
 
     frames: (S,) rising programme frames of the samples. cameras: C names. visible: (S, C) float in 0..1, NaN where
     there is no data. usable: (S, C) bool, False where no automatic shot may use the camera (weak, or no picture).
-    movement: what movements were judged by.
     """
 
     frames: NDArray[np.int64]
     cameras: tuple[str, ...]
     visible: NDArray[np.float64]
     usable: NDArray[np.bool_]
-    movement: Curve = field(default=NO_CURVE)
 
     def __attrs_post_init__(self) -> None:
         shape = (len(self.frames), len(self.cameras))
@@ -47,7 +39,6 @@ class ScoreTable:
             "cameras": np.array(self.cameras),
             "visible": self.visible,
             "usable": self.usable,
-            **self.movement.arrays(),
         }
 
     @classmethod
@@ -58,23 +49,4 @@ class ScoreTable:
             tuple(str(name) for name in arrays["cameras"]),
             arrays["visible"].astype(np.float64),
             arrays["usable"].astype(bool),
-            Curve.from_arrays(arrays),
         )
-
-    def save(self, path: Path) -> None:
-        """Writes a compressed .npz atomically, in single precision; the same table gives the same bytes."""
-        stream = io.BytesIO()
-        single = {name: a.astype(np.float32) if a.dtype == np.float64 else a for name, a in self.arrays().items()}
-        np.savez_compressed(stream, **single)  # pyright: ignore[reportArgumentType]
-        write_atomic(path, stream.getvalue())
-
-
-def load_scores(path: Path) -> ScoreTable:
-    """Reads what `ScoreTable.save` wrote; DocumentError when it is something else."""
-    try:
-        with np.load(path, allow_pickle=False) as data:
-            return ScoreTable.from_arrays(data)
-    except (OSError, KeyError, ValueError) as error:
-        raise DocumentError(
-            f"is not a table of scores ({error})", where=str(path), remedy="Run `mcsl analyse` again"
-        ) from error

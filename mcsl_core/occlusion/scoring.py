@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView
 from mcsl_core.alignment.observations import SolvedPose
 from mcsl_core.edl import Movement
-from mcsl_core.hooks.registry import Offer
 from mcsl_core.progress import Progress
 from mcsl_core.recording.sample_store import SampleStore
 from mcsl_core.timing import FrameRange
 
-from .protocol import OcclusionScorer
+from .protocol import OcclusionDetector, OcclusionScorer
 from .score_table import ScoreTable
 
 # Samples that one scorer is made from. The field changes in a long pose: it bleeds, it is opened further; in three
@@ -46,12 +45,12 @@ class ScoringSegment:
 
     range: FrameRange
     moments: SegmentSamples
-    detector: Offer
+    detector: OcclusionDetector
 
     @cached_property
     def scorer(self) -> OcclusionScorer:
         """Made at first use: where all scores are in the cache, only around switches."""
-        return self.detector.checked.scorer(self.moments.scene, self.moments)
+        return self.detector.scorer(self.moments.scene, self.moments)
 
     def score(self, views: Sequence[AlignedView]) -> Mapping[str, float]:
         """camera -> visible share of the field for every view."""
@@ -59,7 +58,7 @@ class ScoringSegment:
 
 
 def scoring_segments(
-    samples: SampleStore, solved: Sequence[SolvedPose], movements: Sequence[Movement], detector: Offer
+    samples: SampleStore, solved: Sequence[SolvedPose], movements: Sequence[Movement], detector: OcclusionDetector
 ) -> tuple[ScoringSegment, ...]:
     """Every pose in stretches of about `STRETCH` samples, in order of time."""
     made = []

@@ -10,7 +10,7 @@ that is late by two frames at most is muxers' rounding, and the first picture st
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from fractions import Fraction
 from functools import partial
@@ -23,14 +23,12 @@ from numpy.typing import NDArray
 
 from mcsl_core.edl import Camera, Edl
 from mcsl_core.imaging.planes import U8, Planes, median_planes, planes_to_bgr, resize_planes
-from mcsl_core.media.facts import MediaFacts
 from mcsl_core.media.frames import to_planes
 from mcsl_core.media.probing import probe
 from mcsl_core.timing import FrameRange
 
 from .audio import sound_blocks
 from .decoder import Decoder, Part, Shown, exact_camera_time
-from .keyframe_sampling import KeyframeSample, sample_cameras
 
 
 def footage_of(edl: Edl, base: Path, threads: int) -> Footage:
@@ -192,22 +190,6 @@ class Footage:
         """The BGR picture of a decoded frame of ``camera``, reduced to ``height`` rows."""
         return planes_to_bgr(self.full_picture(camera, shown), height=height)
 
-    def samples(
-        self,
-        *,
-        step_s: float = 1.0,
-        height: int = 540,
-        cameras: Sequence[str] | None = None,
-        piece: FrameRange | None = None,
-    ) -> Iterator[KeyframeSample]:
-        """About one picture of every camera each ``step_s`` seconds, BGR of ``height`` rows, at the least cost.
-
-        Where a camera's keyframes are at most 1.5 steps apart only they are decoded, and the nearest in time stands
-        for the sample; else all pictures that others need. See `sample_cameras`.
-        """
-        names = tuple(cameras if cameras is not None else self._by_name)
-        return sample_cameras(self, names, step_s=step_s, height=height, piece=piece or FrameRange(0, self.frames))
-
     def audio_blocks(
         self,
         camera: str,
@@ -229,7 +211,3 @@ class Footage:
         """As `audio_blocks`, in one (n,) float32 array."""
         blocks = list(self.audio_blocks(camera, start_s, stop_s, rate))
         return np.concatenate(blocks) if blocks else np.zeros(0, np.float32)
-
-    def all_facts(self) -> Mapping[str, tuple[MediaFacts, ...]]:
-        """Facts of every file of every camera."""
-        return {name: tuple(part.facts for part in self.parts(name)) for name in self._by_name}

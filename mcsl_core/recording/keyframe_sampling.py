@@ -6,7 +6,7 @@ import queue
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from attrs import frozen
 
@@ -14,10 +14,7 @@ from mcsl_core.imaging.planes import U8
 from mcsl_core.timing import FrameRange
 
 from .decoder import Decoder
-
-if TYPE_CHECKING:
-    from .footage import Footage
-
+from .footage import Footage
 
 _AHEAD = 3  # samples each camera may be ahead of the consumer: 3 x 1.6 MB at 540 rows
 
@@ -41,13 +38,28 @@ class _Look:
 
 
 def sample_cameras(
-    footage: Footage, cameras: Sequence[str], *, step_s: float, height: int, piece: FrameRange
+    footage: Footage,
+    cameras: Sequence[str] | None = None,
+    *,
+    step_s: float = 1.0,
+    height: int = 540,
+    piece: FrameRange | None = None,
 ) -> Iterator[KeyframeSample]:
-    """Samples of ``cameras`` every ``step_s`` seconds of ``piece``, in order.
+    """About one picture of every camera each ``step_s`` seconds, BGR of ``height`` rows, at the least cost, in order.
 
-    Each camera is decoded by its own thread a few samples ahead, so memory is flat; a fault in one of them is raised
-    here. When the consumer stops, so do the threads.
+    Where a camera's keyframes are at most 1.5 steps apart only they are decoded, and the nearest in time stands for the
+    sample; else all pictures that others need. Each camera is decoded by its own thread a few samples ahead, so memory
+    is flat; a fault in one of them is raised here. When the consumer stops, so do the threads.
+
+    Parameters
+    ----------
+    cameras
+        Their names; all without.
+    piece
+        The programme frames to sample; all without.
     """
+    cameras = tuple(c.name for c in footage.cameras) if cameras is None else cameras
+    piece = piece or FrameRange(0, footage.frames)
     step = max(1, round(Fraction(step_s) * footage.rate))
     frames = range(piece.start, piece.stop, step)
     for camera in cameras:

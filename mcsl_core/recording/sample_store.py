@@ -22,6 +22,7 @@ from mcsl_core.progress import Progress
 from mcsl_core.timing import FrameRange
 
 from .footage import Footage
+from .keyframe_sampling import sample_cameras
 
 SAMPLE_HEIGHT = 360
 JPEG_QUALITY = 92  # 45 dB: below what movement and hue are judged by; 40-80 kB a picture
@@ -60,7 +61,7 @@ class SampleStore:
         frames: list[int] = []
         index: list[dict[str, tuple[int, int]]] = []
         progress.stage("Looking through the recording", footage.frames, "frames")
-        for sample in footage.samples(step_s=step_s, height=SAMPLE_HEIGHT):
+        for sample in sample_cameras(footage, step_s=step_s, height=SAMPLE_HEIGHT):
             places = {}
             for name, picture in sample.pictures.items():
                 if picture is not None:

@@ -7,8 +7,10 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 from attrs import frozen
 
+from mcsl_core.analysis.measurements import Measurements
 from mcsl_core.edl import Camera, Edl, Pose
 from mcsl_core.edl.resolve import Decision, resolve
+from mcsl_core.movement.protocol import Curve
 from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.timing import FrameRange
 
@@ -110,8 +112,9 @@ class Facts:
     clocks: tuple[ClockFacts, ...]
 
 
-def gather(edl: Edl, scores: ScoreTable | None) -> Facts:
-    """The facts of an EDL and, where there are any, its scores."""
+def gather(edl: Edl, measured: Measurements | None) -> Facts:
+    """The facts of an EDL and, where there are any, of what was measured beside it."""
+    scores = None if measured is None else measured.scores
     colours = {camera.name: index for index, camera in enumerate(edl.cameras)}
     decisions = resolve(edl)
     cuts = [(a, b) for (_, a), (_, b) in zip(decisions, decisions[1:], strict=False) if a.camera != b.camera]
@@ -174,7 +177,7 @@ def gather(edl: Edl, scores: ScoreTable | None) -> Facts:
         ),
         gaps=any(c.gaps for c in edl.cameras),
         lanes=tuple(_lane(edl, c, colours[c.name], decisions, scores, times) for c in edl.cameras),
-        movement=_movement(edl, scores),
+        movement=None if measured is None else _movement(edl, measured.movement),
         poses=tuple(_pose(edl, i, pose, colours, times) for i, pose in enumerate(edl.poses)),
         weak=tuple(f"{w.camera}, {times.span(pose.range)}: {w.reason}" for _, pose, w in weak),
         clocks=tuple(_clock(edl, camera, colours[camera.name], times) for camera in edl.cameras),
@@ -275,9 +278,8 @@ def _lane(
     return Lane(camera.name, colour, chosen, gaps, curve, filled, f"{share:.0%}", visible)
 
 
-def _movement(edl: Edl, scores: ScoreTable | None) -> MovementChart | None:
-    curve = scores.movement if scores is not None else None
-    if curve is None or not len(curve.frames) or np.isnan(curve.values).all():
+def _movement(edl: Edl, curve: Curve) -> MovementChart | None:
+    if not len(curve.frames) or np.isnan(curve.values).all():
         return None
     share = curve.unit == "" and float(np.nanmax(curve.values)) <= 1
     limits = [float(v) for v in np.unique(curve.threshold[~np.isnan(curve.threshold)])]

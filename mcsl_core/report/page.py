@@ -11,13 +11,14 @@ import jinja2
 from attrs import frozen
 
 from mcsl_core import __version__
+from mcsl_core.analysis.measurements import Measurements, load_measurements
 from mcsl_core.documents import write_atomic
 from mcsl_core.edl import Edl, load
 from mcsl_core.errors import Cancelled, McslError
 from mcsl_core.evaluation import results as figures
 from mcsl_core.evaluation.evaluate import evaluate
 from mcsl_core.evaluation.results import Evaluation
-from mcsl_core.occlusion.score_table import ScoreTable, load_scores
+from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.progress import Progress, Silent
 
 from .charts import Bar, short_time
@@ -50,27 +51,27 @@ def write_report(
     progress = progress or Silent()
     edl = load(edl_path)
     base = edl_path.parent
-    measured = None if figures_path is None else figures.load_evaluation(figures_path)
-    scores, no_scores = _scores(edl, base, progress)
-    pictures, no_pictures = _pictures(edl, base, scores, progress)
+    evaluation = None if figures_path is None else figures.load_evaluation(figures_path)
+    measured, no_scores = _measured(edl, base, progress)
+    pictures, no_pictures = _pictures(edl, base, None if measured is None else measured.scores, progress)
     no_figures = ""
-    if measured is None:
-        measured, no_figures = _measured(edl, base, progress)
-    steady = None if measured is None else steady_facts(measured)
-    text = page(edl, edl_path.name, scores, no_scores, pictures, no_pictures, steady, no_figures)
+    if evaluation is None:
+        evaluation, no_figures = _evaluated(edl, base, progress)
+    steady = None if evaluation is None else steady_facts(evaluation)
+    text = page(edl, edl_path.name, measured, no_scores, pictures, no_pictures, steady, no_figures)
     write_atomic(out, text.encode())
 
 
-def _scores(edl: Edl, base: Path, progress: Progress) -> tuple[ScoreTable | None, str]:
+def _measured(edl: Edl, base: Path, progress: Progress) -> tuple[Measurements | None, str]:
     if edl.scores is None:
         return None, "The EDL names no scores, so what each camera sees over time is not known."
     if not (base / edl.scores).is_file():
         return None, _told(f"What each camera sees over time is not known: {edl.scores} is missing.", progress)
     try:
-        scores = load_scores(base / edl.scores)
-        lacking = {c.name for c in edl.cameras} - set(scores.cameras)
+        measured = load_measurements(base / edl.scores)
+        lacking = {c.name for c in edl.cameras} - set(measured.scores.cameras)
         if not lacking:
-            return scores, ""
+            return measured, ""
         why = f"{edl.scores}: it lacks {', '.join(sorted(lacking))}"
     except McslError as error:
         why = _short(error, base)
@@ -88,7 +89,7 @@ def _pictures(
         return [None] * len(edl.poses), _told(f"The pictures cannot be shown: {_short(error, base)}.", progress)
 
 
-def _measured(edl: Edl, base: Path, progress: Progress) -> tuple[Evaluation | None, str]:
+def _evaluated(edl: Edl, base: Path, progress: Progress) -> tuple[Evaluation | None, str]:
     try:
         return evaluate(edl, base, every=0, most_switches=QUICK_SWITCHES, progress=progress), ""
     except Cancelled:
@@ -111,7 +112,7 @@ def _told(text: str, progress: Progress) -> str:
 def page(
     edl: Edl,
     file: str,
-    scores: ScoreTable | None,
+    measured: Measurements | None,
     no_scores: str,
     pictures: list[PosePictures | None],
     no_pictures: str,
@@ -119,7 +120,7 @@ def page(
     no_figures: str,
 ) -> str:
     """The page as HTML. file: the EDL's name. pictures: one entry a pose. no_...: the words where something lacks."""
-    facts = gather(edl, scores)
+    facts = gather(edl, measured)
     colours = dict(facts.cameras)
     shown = []
     for pose, taken in zip(edl.poses, pictures, strict=True):

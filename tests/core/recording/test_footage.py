@@ -15,6 +15,7 @@ from mcsl_core.imaging.planes import bgr_to_planes, planes_to_bgr
 from mcsl_core.media.probing import probe
 from mcsl_core.media.reading import VideoReader
 from mcsl_core.recording.footage import Footage
+from mcsl_core.recording.keyframe_sampling import sample_cameras
 from mcsl_core.timing import FrameRange
 
 NTSC = Fraction(30000, 1001)
@@ -177,7 +178,7 @@ def test_samples_by_keyframes_and_by_sequence(tmp_path):
     short = write_coded(tmp_path / "short.mp4", range(300), gop=15)
     long = write_coded(tmp_path / "long.mkv", range(300), gop=250)
     f = footage(camera("s", short), camera("l", long, clock=Clock(offset_s=2.0)), frames=400)
-    samples = list(f.samples(step_s=1.0, height=72))
+    samples = list(sample_cameras(f, step_s=1.0, height=72))
     assert [s.frame for s in samples] == list(range(0, 400, 30))
     for s in samples:
         picture = s.pictures["s"]
@@ -201,11 +202,11 @@ def test_samples_stop_cleanly_and_raise_here(tmp_path):
     path = write_coded(tmp_path / "a.mp4", range(300), gop=15)
     f = footage(camera("a", path), camera("b", path), frames=300)
     before = threading.active_count()
-    for sample in f.samples():
+    for sample in sample_cameras(f):
         assert sample.pictures["b"] is not None
         break
     assert threading.active_count() == before
-    iterator = f.samples()
+    iterator = sample_cameras(f)
     next(iterator)
     iterator.close()
     assert threading.active_count() == before
@@ -216,7 +217,7 @@ def test_samples_stop_cleanly_and_raise_here(tmp_path):
 
     broken = Broken(f.cameras, rate=f.rate, frames=300, base=Path("/"))
     with pytest.raises(RuntimeError, match="fell over"):
-        list(broken.samples())
+        list(sample_cameras(broken))
     assert threading.active_count() == before
 
 

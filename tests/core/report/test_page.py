@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 from strategies import edls
 
 from mcsl_core import edl as document
+from mcsl_core.analysis.measurements import Measurements
 from mcsl_core.analysis.pipeline import analyse
 from mcsl_core.analysis.settings import AnalysisSettings
 from mcsl_core.edl import Camera, Edl, Override, Weak
@@ -104,13 +105,13 @@ def test_bars_stay_inside_and_can_be_seen(place: tuple[int, int], length: int) -
 # ---------------------------------------------------------------------------------------------------------- facts
 
 
-def table_of(edl: Edl, visible: float = 0.5) -> ScoreTable:
+def measured_of(edl: Edl, visible: float = 0.5) -> Measurements:
     frames = np.unique(np.linspace(0, edl.frames - 1, 9).astype(np.int64))
     shape = (len(frames), len(edl.cameras))
     values = np.full(shape, visible)
     values[:, 0] = 1
     curve = Curve("degree of misalignment", "px", frames, frames * 1.0, np.full(len(frames), 5.0))
-    return ScoreTable(frames, tuple(c.name for c in edl.cameras), values, np.ones(shape, bool), curve)
+    return Measurements(ScoreTable(frames, tuple(c.name for c in edl.cameras), values, np.ones(shape, bool)), curve)
 
 
 @given(edls())
@@ -128,9 +129,9 @@ def test_the_bars_tile_the_programme_and_tell_the_resolved_camera(edl: Edl) -> N
 
 def test_the_visible_share_is_that_of_the_cameras_shown(edl_of_two: Edl) -> None:
     """The first half from the camera that sees all, the second from the one that sees half."""
-    facts = gather(edl_of_two, table_of(edl_of_two))
+    facts = gather(edl_of_two, measured_of(edl_of_two))
     tile = next(t for t in facts.tiles if t.label == "of the field visible")
-    frames = table_of(edl_of_two).frames
+    frames = measured_of(edl_of_two).scores.frames
     expected = np.where(frames < 50, 1, 0.5).mean()
     assert tile.value == f"{expected:.0%}"
     assert facts.movement is not None
@@ -171,14 +172,14 @@ def parsed(text: str) -> _Balance:
     return balance
 
 
-def bare(edl: Edl, scores: ScoreTable | None = None) -> str:
-    return page(edl, "edl.json", scores, "", [None] * len(edl.poses), "no pictures here", None, "no figures here")
+def bare(edl: Edl, measured: Measurements | None = None) -> str:
+    return page(edl, "edl.json", measured, "", [None] * len(edl.poses), "no pictures here", None, "no figures here")
 
 
 @settings(max_examples=25)
 @given(edls(), st.booleans())
 def test_any_edl_makes_a_whole_page(edl: Edl, scored: bool) -> None:
-    said = "".join(parsed(bare(edl, table_of(edl) if scored else None)).texts)
+    said = "".join(parsed(bare(edl, measured_of(edl) if scored else None)).texts)
     for camera in edl.cameras:
         assert " ".join(camera.name.split()) in " ".join(said.split())
     assert "no pictures here" in said
@@ -247,7 +248,7 @@ def contrast(a: str, b: str) -> float:
 
 
 def test_the_clearest_moment_is_the_one_in_which_most_is_seen(edl_of_two: Edl) -> None:
-    scores = table_of(edl_of_two)
+    scores = measured_of(edl_of_two).scores
     best = int(scores.frames[5])
     scores.visible[5] = 1
     pose = attrs.evolve(edl_of_two.poses[0], solved_from=tuple(int(f) for f in scores.frames))

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mcsl_core.errors import UsageError
-from mcsl_core.occlusion.score_table import ScoreTable, load_scores
+from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.selection.selectors import Fixed, LeastOccluded, ShortestPath, sample_borders
 from mcsl_core.timing import check_tiles
 
@@ -114,25 +114,3 @@ def test_two_hours_of_samples_are_quick_enough_to_select_again() -> None:
     table = ScoreTable(np.arange(7200) * 30, tuple("abcde"), rng.random((7200, 5)), np.ones((7200, 5), bool))
     shots = ShortestPath().select(table, frames=7200 * 30, rate=Fraction(30))
     assert min(len(s.range) for s in shots) >= 60
-
-
-def test_scores_come_back_as_they_were_saved(tmp_path) -> None:
-    table = ScoreTable(np.array([3, 9]), ("a", "ä"), np.array([[0.25, np.nan], [1, 0]]), np.eye(2, dtype=bool))
-    table.save(tmp_path / "s.npz")
-    again = load_scores(tmp_path / "s.npz")
-    assert again.cameras == table.cameras
-    np.testing.assert_array_equal(again.visible, table.visible)
-    np.testing.assert_array_equal(again.usable, table.usable)
-    first = (tmp_path / "s.npz").read_bytes()
-    table.save(tmp_path / "s.npz")
-    assert (tmp_path / "s.npz").read_bytes() == first
-
-
-def test_scores_out_of_range_or_shape_are_refused() -> None:
-    usable = np.ones((2, 1), bool)
-    with pytest.raises(ValueError, match=r"0\.\.1"):
-        ScoreTable(np.arange(2), ("a",), np.array([[0.5], [1.2]]), usable)
-    with pytest.raises(ValueError, match="rise"):
-        ScoreTable(np.array([3, 3]), ("a",), np.zeros((2, 1)), usable)
-    with pytest.raises(ValueError, match="must be"):
-        ScoreTable(np.arange(2), ("a", "b"), np.zeros((2, 1)), usable)

@@ -55,7 +55,7 @@ def stretch() -> ScoringSegment:
     offer = attrs.evolve(discover().choose("occlusion"), implementation=Brightness())
     scene = AlignedPose(SIZE, "cam1", dict.fromkeys(("cam1", "cam2"), np.eye(3)), dict.fromkeys(("cam1", "cam2"), SIZE),
                   np.ones((SIZE[1], SIZE[0]), bool))  # fmt: skip
-    return ScoringSegment(FrameRange(0, FRAMES), SegmentSamples(None, scene, np.zeros(0, np.int64)), offer)  # pyright: ignore
+    return ScoringSegment(FrameRange(0, FRAMES), SegmentSamples(None, scene, np.zeros(0, np.int64)), offer.checked)  # pyright: ignore
 
 
 def shots(*cuts: int) -> tuple[Shot, ...]:
