@@ -121,7 +121,7 @@ def test_every_command_and_option_has_its_place(site: Path):
         assert found, path
         section = section.partition("<h2")[0]
         for option in command["params"]:
-            if option["param_type_name"] == "option" and option["name"] != "help":
+            if option["param_type_name"] == "option" and "--help" not in option["opts"]:
                 assert option["opts"][-1] in section, (path, option["name"])
 
 
@@ -209,10 +209,10 @@ def test_the_layers_told_are_those_of_the_contract():
     import tomllib
 
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
-    contracts = project["tool"].get("importlinter", {}).get("contracts", [])
-    if not contracts:
-        pytest.skip("the contract of layers is not here yet")
+    contracts = project["tool"]["importlinter"]["contracts"]
     layers = next(contract["layers"] for contract in contracts if contract["type"] == "layers")
     page = (DOCS / "explanation" / "architecture.md").read_text("utf-8").partition("## Layers")[2].partition("\n## ")[0]
     rows = [re.findall(r"`(\w+)`", row.split("|")[1]) for row in page.splitlines() if row.startswith("| `")]
-    assert [set(row) for row in rows] == [set(re.findall(r"\w+", layer)) for layer in layers]
+    here = {path.stem for path in (ROOT / "mcsl_core").iterdir()}
+    told = [here.intersection(row) for row in rows]
+    assert [row for row in told if row] == [set(re.findall(r"\w+", layer)) for layer in layers]
