@@ -32,14 +32,13 @@ CHECKS = {
     "lint-imports": (str(PROGRAMS / "lint-imports"), "--no-logo"),
     "docs/generate.py": (PYTHON, "docs/generate.py", "--check"),
 }
-SITE = (PYTHON, "-m", "mkdocs", "build", "--strict", "--site-dir", "build/site")
+SITE = (PYTHON, "-m", "zensical", "build", "--strict")  # into build/site
 
 # What pytest-xdist is told. A file's tests stay in one process, so that its recordings are simulated once.
 SIDE_BY_SIDE = ("-n", "auto", "--maxprocesses", "4", "--dist", "loadfile")
 ENVIRONMENT: dict[str, str | None] = {
     # A process each core: threads inside of them would only take turns.
     **dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "OPENCV_FOR_THREADS_NUM"), "1"),
-    "NO_MKDOCS_2_WARNING": "1",  # decision 010
 }
 
 

@@ -1,4 +1,4 @@
-"""Writes the reference pages that are derived from the code: edl.md, edl.schema.json, hooks.md. No second source.
+"""Writes the pages that are derived from code, data and notebooks. No second source.
 
     python docs/generate.py            writes them
     python docs/generate.py --check    writes nothing; exit code 1 when one of them is not what it would write
@@ -24,7 +24,10 @@ DOCS = Path(__file__).resolve().parent
 if __name__ == "__main__":  # the tree this file stands in, whatever else is installed
     sys.path.insert(0, str(DOCS.parent))
 
+from cli_reference import command_line_page  # noqa: E402
 from hooks_reference import hooks_page  # noqa: E402
+from presets_reference import presets_page  # noqa: E402
+from site_pages import decisions_page, front_door_page, notebook_page  # noqa: E402
 
 from mcsl_core import edl  # noqa: E402
 from mcsl_core.documents import Bounds, NotEmpty, make_converter  # noqa: E402
@@ -268,11 +271,12 @@ def example() -> edl.Edl:
 INTRODUCTION = """\
 # The EDL
 
-<!-- Written by docs/generate.py from mcsl_core/edl.py; change it there. -->
+<!-- Written by docs/generate.py from mcsl_core/edl/schema.py; change it there. -->
 
 The edit-decision list is the one document between analysis, editor and renderer: `mcsl analyse` writes it, the
 Blender timeline is built from it, the editor's changes come back into it as overrides, and every programme picture is
-made from it. It is JSON in UTF-8, readable and diffable. `edl.schema.json` beside this page is its JSON Schema.
+made from it. It is JSON in UTF-8, readable and diffable. [edl.schema.json](edl.schema.json)
+is its JSON Schema.
 
 ## Conventions
 
@@ -309,7 +313,18 @@ def edl_page() -> str:
 
 # ------------------------------------------------------------------------------------------------------- main
 
-PAGES = {"edl.md": edl_page, "edl.schema.json": edl_schema, "hooks.md": lambda: hooks_page(DOCS / "hooks.md")}
+EXAMPLES = DOCS.parent / "examples"
+PAGES = {
+    "decisions/index.md": lambda: decisions_page(DOCS / "decisions"),
+    "hooks.md": lambda: hooks_page(DOCS / "hooks.md"),
+    "how-to/compare-detectors.md": lambda: notebook_page(EXAMPLES / "compare_detectors.ipynb"),
+    "reference/command-line.md": command_line_page,
+    "reference/edl.md": edl_page,
+    "reference/edl.schema.json": edl_schema,
+    "reference/front-door.md": front_door_page,
+    "reference/presets.md": presets_page,
+    "tutorials/notebook.md": lambda: notebook_page(EXAMPLES / "first_programme.ipynb"),
+}
 
 
 def stale() -> list[str]:

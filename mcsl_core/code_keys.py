@@ -1,7 +1,7 @@
 """By which code a kept result was made: what the keys of the stage cache and of conformed media say of it.
 
 A result may be used again only while the code would make it the same. Whether it would is told in one of two ways, and
-in neither has anybody to remember anything (docs/decisions/009-kept-results.md):
+in neither has anybody to remember anything (docs/decisions/012-kept-results.md):
 
 - **A stage of the analysis: by the code itself**, `code_of`. Who uses its result again is often who changes the code: a
   wrong answer costs an afternoon, making it again costs minutes. The key holds the modules that the stage uses and no

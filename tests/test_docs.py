@@ -31,11 +31,26 @@ def test_the_pages_are_up_to_date():
 def copy(tmp_path: Path) -> Path:
     shutil.copytree(DOCS, tmp_path / "docs", ignore=shutil.ignore_patterns("images", "__pycache__"))
     shutil.copytree(ROOT / "mcsl_core", tmp_path / "mcsl_core", ignore=shutil.ignore_patterns("__pycache__"))
+    for folder in ("examples", "render_presets"):
+        shutil.copytree(ROOT / folder, tmp_path / folder)
     assert generate(tmp_path).returncode == 0  # these tests start from fresh pages, whatever lies in the tree
     return tmp_path
 
 
-@pytest.mark.parametrize("page", ["edl.md", "edl.schema.json", "hooks.md"])
+@pytest.mark.parametrize(
+    "page",
+    [
+        "decisions/index.md",
+        "hooks.md",
+        "how-to/compare-detectors.md",
+        "reference/command-line.md",
+        "reference/edl.md",
+        "reference/edl.schema.json",
+        "reference/front-door.md",
+        "reference/presets.md",
+        "tutorials/notebook.md",
+    ],
+)
 def test_a_page_changed_by_hand_or_missing_is_stale_and_is_written_again(copy: Path, page: str):
     path = copy / "docs" / page
     right = path.read_text("utf-8")
@@ -62,7 +77,7 @@ def test_a_field_changed_in_the_classes_makes_the_pages_stale(copy: Path):
     checked = generate(copy, "--check")
     assert checked.returncode == 1
     assert checked.stderr.splitlines() == [
-        f"docs/{name} is stale: run python docs/generate.py" for name in ("edl.md", "edl.schema.json")
+        f"docs/reference/{name} is stale: run python docs/generate.py" for name in ("edl.md", "edl.schema.json")
     ]
 
 
@@ -76,7 +91,7 @@ def test_a_method_changed_in_a_protocol_makes_the_page_stale(copy: Path):
 
 
 def test_the_example_is_a_valid_edl_in_canonical_form():
-    text = re.findall(r"```json\n(.*?)```", (DOCS / "edl.md").read_text("utf-8"), re.DOTALL)[-1]
+    text = re.findall(r"```json\n(.*?)```", (DOCS / "reference" / "edl.md").read_text("utf-8"), re.DOTALL)[-1]
     edl = loads(text)
     assert dumps(edl) == text
     assert edl.overrides
@@ -85,8 +100,8 @@ def test_the_example_is_a_valid_edl_in_canonical_form():
 
 
 def test_every_field_has_a_line_with_its_meaning():
-    page = (DOCS / "edl.md").read_text("utf-8")
-    schema = json.loads((DOCS / "edl.schema.json").read_text("utf-8"))
+    page = (DOCS / "reference" / "edl.md").read_text("utf-8")
+    schema = json.loads((DOCS / "reference" / "edl.schema.json").read_text("utf-8"))
     for name, part in [("Edl", schema), *schema["$defs"].items()]:
         if name == "FrameRange":
             continue
@@ -94,3 +109,23 @@ def test_every_field_has_a_line_with_its_meaning():
         for field in part["properties"]:
             row = next(line for line in section.splitlines() if line.startswith(f"| `{field}` |"))
             assert all(cell.strip() for cell in row.split("|")[1:5])
+
+
+def test_a_changed_help_text_preset_or_notebook_makes_its_page_stale(copy: Path):
+    changes = {
+        "mcsl_core/cli/commands/report.py": ("The page (.html).", "Where the page goes.", "reference/command-line.md"),
+        "render_presets/review.json": ("Small and quick", "Quick and small", "reference/presets.md"),
+        "examples/compare_detectors.ipynb": (
+            "One recording proves",
+            "A recording proves",
+            "how-to/compare-detectors.md",
+        ),
+    }
+    for name, (before, after, _) in changes.items():
+        text = (copy / name).read_text("utf-8")
+        assert before in text
+        (copy / name).write_text(text.replace(before, after), "utf-8")
+    checked = generate(copy, "--check")
+    assert checked.returncode == 1
+    stale = {line.split()[0] for line in checked.stderr.splitlines()}
+    assert stale == {f"docs/{page}" for _, _, page in changes.values()}

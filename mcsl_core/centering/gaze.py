@@ -161,7 +161,7 @@ def _read(lines: csv.DictReader[str], path: Path, rate: float, cameras: set[str]
         raise DocumentError(
             f"has the columns {', '.join(sorted(columns)) or 'none'}, expected frame or time, x and y",
             where=str(path),
-            remedy="Write them in the first line, separated by commas; docs/look.md shows an example",
+            remedy="Write them in the first line, separated by commas; docs/how-to/look.md shows an example",
         )
     for line in lines:
         try:

@@ -129,7 +129,7 @@ def load_preset(name: str | Path) -> Preset:
             remedy="Begin with a copy of one of render_presets/",
         )
     rest = {key: item for key, item in value.items() if key != "schema"}
-    return structure_document(rest, Preset, _converter, where=str(path), name="a preset (blender.md)")
+    return structure_document(rest, Preset, _converter, where=str(path), name="a preset (presets.md)")
 
 
 def preset_of(given: str | Path | Preset) -> Preset:

@@ -1,4 +1,4 @@
-"""The edit-decision list: the one document between analysis, editor and renderer. Written out in docs/edl.md.
+"""The edit-decision list: the one document between analysis, editor and renderer. Written out in docs/reference/edl.md.
 
 The document's classes and its reading and writing, under one name: ``from mcsl_core.edl import Edl, load``. What
 follows from a document stands beside: `resolve` (what holds after the editor's decisions), `placement` (where

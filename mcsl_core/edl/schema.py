@@ -1,4 +1,4 @@
-"""The EDL's classes, frozen and checked when they are made. Written out in docs/edl.md.
+"""The EDL's classes, frozen and checked when they are made. Written out in docs/reference/edl.md.
 
 Conventions: ranges are half-open frame ranges on the programme clock; pixel centres lie at integers;
 homographies are 3x3 row-major, scaled so that the last element is 1, and act on full-size pixels.

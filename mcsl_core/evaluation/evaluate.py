@@ -2,7 +2,7 @@
 
 ITF is the mean PSNR between neighbouring frames, AvSpeed the mean distance that a feature point moves from one frame
 to the next (the paper's section on evaluation metrics). Every variant shows the same shots at the same size, all made
-by the compositor; docs/evaluation.md says how each figure comes about.
+by the compositor; docs/explanation/evaluation.md says how each figure comes about.
 """
 
 from __future__ import annotations

@@ -179,7 +179,7 @@ class _File:
 
 
 def load_manual(path: Path, edl: Edl, *, fit: str = "similarity") -> ByHand:
-    """Read alignments by hand from a JSON or CSV file (docs/evaluation.md).
+    """Read alignments by hand from a JSON or CSV file (docs/how-to/evaluation.md).
 
     Parameters
     ----------
@@ -253,7 +253,7 @@ def _read_json(path: Path) -> Sequence[_Entry]:
 
 def _read_csv(path: Path) -> Sequence[_Entry]:
     """Rows of `COLUMNS`; an empty pose means all poses."""
-    remedy = f"The columns are {','.join(COLUMNS)}; docs/evaluation.md has an example"
+    remedy = f"The columns are {','.join(COLUMNS)}; docs/how-to/evaluation.md has an example"
     try:
         rows = csv.DictReader(io.StringIO(path.read_text("utf-8-sig")))
         found: dict[tuple[str, int | None], list[tuple[float, float, float, float]]] = {}
@@ -302,7 +302,7 @@ def aligned_by_hand(edl: Edl, by_hand: ByHand) -> Edl:
                 raise InputError(
                     f"camera {decision.camera} is shown at frames {shown} and was not aligned by hand",
                     where=f"pose {index}",
-                    remedy="Add its point pairs (docs/evaluation.md)",
+                    remedy="Add its point pairs (docs/how-to/evaluation.md)",
                 )
     poses = tuple(_aligned_pose(edl, pose, by_hand.get(i, {})) for i, pose in enumerate(edl.poses))
     return attrs.evolve(edl, poses=poses, corrections=())

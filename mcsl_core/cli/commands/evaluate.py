@@ -38,7 +38,7 @@ def evaluate(
 ) -> None:
     """Measure how steady the programme of EDL is.
 
-    ITF and AvSpeed without alignment, aligned by hand, and as mcsl makes it; docs/evaluation.md says how.
+    ITF and AvSpeed without alignment, aligned by hand, and as mcsl makes it; docs/explanation/evaluation.md says how.
     """
     from mcsl_core.cli import console
     from mcsl_core.documents import write_atomic

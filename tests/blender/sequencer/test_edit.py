@@ -16,7 +16,7 @@ from mcsl_core.evaluation.manual_alignment import StripTransform, load_manual
 
 pytestmark = pytest.mark.both_blenders
 
-PAGE = Path(__file__).parents[3] / "docs" / "evaluation.md"
+PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "evaluation.md"
 
 
 def test_the_script_of_the_docs_prints_what_the_editor_set(built, blender):

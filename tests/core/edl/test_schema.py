@@ -19,7 +19,7 @@ from mcsl_core.documents import Bounds
 from mcsl_core.edl import IDENTITY, Edl, Look, MadeBy, Movement, Override, Pose, Shot, Weak, from_json, loads, to_json
 from mcsl_core.errors import DocumentError, Fault
 
-SCHEMA_FILE = Path(__file__).parents[3] / "docs" / "edl.schema.json"
+SCHEMA_FILE = Path(__file__).parents[3] / "docs" / "reference" / "edl.schema.json"
 
 Step = str | int
 
