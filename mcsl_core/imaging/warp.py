@@ -195,6 +195,7 @@ class RemapTables:
 
     @property
     def nbytes(self) -> int:
+        """Memory that both take."""
         return self.luma.nbytes + self.chroma.nbytes
 
 
