@@ -11,6 +11,8 @@ RATE = 48000
 
 
 class Notes(Silent):
+    """Keeps what progress is told."""
+
     def __init__(self):
         super().__init__()
         self.notes = []

@@ -103,6 +103,7 @@ class MediaFacts:
 
     @property
     def has_audio(self) -> bool:
+        """Whether there is an audio track."""
         return self.audio_rate is not None
 
     @property

@@ -96,7 +96,9 @@ class MovementDetector(Protocol):
     """Finds when the lamp moves."""
 
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """The name it is chosen by."""
+        ...
 
     def detect(self, samples: SampleStore, footage: Footage, progress: Progress) -> Detection:
         """Movements in order, not overlapping, inside [0, footage.frames), and the curve they were judged by.

@@ -8,7 +8,7 @@ from fractions import Fraction
 from math import floor
 from pathlib import Path
 
-from mcsl_core import edl
+from mcsl_core.edl import Camera, Media
 from mcsl_core.errors import InputError, UsageError
 from mcsl_core.media.facts import fingerprint
 from mcsl_core.media.probing import probe
@@ -17,7 +17,7 @@ from mcsl_core.progress import Progress
 from .discovery import discover
 
 
-def open_cameras(recording: Sequence[Path], base: Path, progress: Progress) -> tuple[edl.Camera, ...]:
+def open_cameras(recording: Sequence[Path], base: Path, progress: Progress) -> tuple[Camera, ...]:
     """The cameras of a recording, probed; their clocks are not yet set.
 
     Parameters
@@ -52,10 +52,10 @@ def open_cameras(recording: Sequence[Path], base: Path, progress: Progress) -> t
                 remedy="Hand them in as different cameras, or convert them to one size",
             )
         media = tuple(
-            edl.Media(relative_path(path, base), fact.frames, fingerprint(path))
+            Media(relative_path(path, base), fact.frames, fingerprint(path))
             for path, fact in zip(files, facts, strict=True)
         )
-        cameras.append(edl.Camera(name, media, facts[0].size, facts[0].rate))
+        cameras.append(Camera(name, media, facts[0].size, facts[0].rate))
         progress.advance(done)
     return tuple(cameras)
 
@@ -68,13 +68,13 @@ def relative_path(path: Path, base: Path) -> str:
         return path.resolve().as_posix()
 
 
-def programme_length(reference: edl.Camera, base: Path, rate: Fraction) -> int:
+def programme_length(reference: Camera, base: Path, rate: Fraction) -> int:
     """Frames of the programme: the reference camera's length at the programme's ``rate``, at least 1."""
     seconds = sum(Fraction(probe(base / m.path).duration_s) for m in reference.media)
     return max(1, floor(seconds * rate + Fraction(1, 2)))
 
 
-def choose_reference(cameras: Sequence[edl.Camera], name: str | None) -> edl.Camera:
+def choose_reference(cameras: Sequence[Camera], name: str | None) -> Camera:
     """The camera called ``name``; the first without a name.
 
     Raises

@@ -76,6 +76,7 @@ class Site:
 
     @classmethod
     def of(cls, scenario: Scenario) -> Site:
+        """The site of a scenario."""
         rng = scenario.stream("site")
         axis = rng.uniform(-25, 25)
         reach = (rng.uniform(86, 98), rng.uniform(56, 66), rng.uniform(86, 98), rng.uniform(56, 66))
@@ -134,6 +135,7 @@ class Surface:
 
     @classmethod
     def of(cls, scenario: Scenario) -> Surface:
+        """The surface of a scenario."""
         site = Site.of(scenario)
         height = relief(scenario, site)
         return cls(site, height, spread(site, height, 9.0), spread(site, height, 7.0))

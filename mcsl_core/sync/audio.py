@@ -75,14 +75,12 @@ class _AudioMatcher:
         self._windows: dict[tuple[str, float], NDArray[np.float32]] = {}
 
     def has_audio(self, camera: str) -> bool:
+        """Whether any file of the camera has audio."""
         return any(part.facts.has_audio for part in self._footage.parts(camera))
-
-    def length_s(self, camera: str) -> float:
-        return length_s(self._footage, camera)
 
     def loudness(self, camera: str, limit_s: float) -> Array:
         """(3, n): `band_loudness` of the first ``limit_s`` seconds."""
-        key = (camera, min(limit_s, self.length_s(camera)))
+        key = (camera, min(limit_s, length_s(self._footage, camera)))
         if key not in self._loudness:
             self._loudness[key] = band_loudness(self._footage.audio_blocks(camera, 0.0, key[1], RATE))
         return self._loudness[key]
@@ -92,7 +90,7 @@ class _AudioMatcher:
         for name in (reference, camera):
             if not self.has_audio(name):
                 raise Refusal(f"{name} has no sound")
-        longest = max(self.length_s(reference), self.length_s(camera))
+        longest = max(length_s(self._footage, reference), length_s(self._footage, camera))
         try:
             lag, lead = coarse_lag(self.loudness(reference, COARSE_SPAN_S), self.loudness(camera, COARSE_SPAN_S))
         except Refusal:
@@ -110,7 +108,7 @@ class _AudioMatcher:
         search is as wide as drift may have led astray, the last 20 ms.
         """
         overlap_start = max(0.0, clock.offset_s)
-        overlap_stop = min(self.length_s(reference), clock.offset_s + self.length_s(camera))
+        overlap_stop = min(length_s(self._footage, reference), clock.offset_s + length_s(self._footage, camera))
         span = overlap_stop - overlap_start
         if span < 3 * FINE_WINDOW_S:
             raise Refusal(f"they have only {max(0.0, span):.0f} s of sound in common")

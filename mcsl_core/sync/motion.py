@@ -61,6 +61,7 @@ class Peak:
 
     @property
     def clear(self) -> bool:
+        """Whether it is high and unambiguous enough to be taken."""
         return self.height >= CLEAR_PEAK and self.lead >= LEAST_LEAD
 
 
