@@ -107,8 +107,8 @@ def modal_picture(aligned: AlignedPose, samples: Iterable[Mapping[str, Picture |
 
     Notes
     -----
-    A head or a hand hides a pixel from some cameras in some samples and never appears quite the same; what lies behind it
-    does. (The mean of many samples instead gave gloves that work above one part of the drapes for field.)
+    A head or a hand hides a pixel from some cameras in some samples and never appears quite the same; what lies behind
+    it does. (The mean of many samples instead gave gloves that work above one part of the drapes for field.)
     """
     width, height = aligned.size
     counts = np.zeros((height * width, _BINS**3), np.uint16)
