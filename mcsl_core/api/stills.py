@@ -14,7 +14,7 @@ from mcsl_core.alignment.protocol import Alignment
 from mcsl_core.alignment.settings import SolveSettings
 from mcsl_core.errors import UsageError
 from mcsl_core.hooks.registry import discover
-from mcsl_core.imaging.planes import U8, reduced_size
+from mcsl_core.imaging.planes import U8, downscaled_size
 from mcsl_core.progress import Silent
 from mcsl_core.recording.sample_store import Sample
 from mcsl_core.timing import FrameRange
@@ -113,5 +113,5 @@ def _bgr(name: str, picture: NDArray[np.uint8]) -> U8:
 
 
 def _reduced(picture: U8) -> U8:
-    size = reduced_size((picture.shape[1], picture.shape[0]), _HEIGHT)
+    size = downscaled_size((picture.shape[1], picture.shape[0]), _HEIGHT)
     return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)

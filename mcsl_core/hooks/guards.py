@@ -285,7 +285,7 @@ class SelectorGuard(Guard):
     @property
     def min_shot_s(self) -> float:
         """The minimum shot length that the selector promises, in seconds; `MIN_SHOT_S` where it promises none."""
-        promised = getattr(self.does, "min_shot_s", MIN_SHOT_S)
+        promised = getattr(self.implementation, "min_shot_s", MIN_SHOT_S)
         good = _number(promised) and promised >= 0
         self.need(good, f"min_shot_s is {_described(promised)}, expected seconds of 0 or more")
         return float(promised)
