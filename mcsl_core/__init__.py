@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from mcsl_core.errors import McslError
     from mcsl_core.timing import FrameRange
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __all__ = [
     "Alignment",

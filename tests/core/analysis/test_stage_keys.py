@@ -26,7 +26,13 @@ SHOTS = (Shot(FrameRange(0, 50), "a"), Shot(FrameRange(50, 90), "b"))
 
 
 def keys(
-    *, media: str = "fa", rate: int = 25, shots: tuple[Shot, ...] = SHOTS, plugins: Plugins | None = None, **settings
+    *,
+    media: str = "fa",
+    rate: int = 25,
+    shots: tuple[Shot, ...] = SHOTS,
+    min_shot_s: float = 2.0,
+    plugins: Plugins | None = None,
+    **settings,
 ) -> dict[str, str]:
     plugins = plugins or discover(entry_points=False)
     made = AnalysisSettings(**settings)
@@ -34,7 +40,7 @@ def keys(
     cameras = [Camera(name, (Media(f"{name}.mp4", 90, print_),), (320, 180), Fraction(25)) for name, print_ in files]
     chosen = {stage: plugins.choose(stage, made.stages.get(stage)) for stage in STAGES}
     found = stage_keys(cameras, "a", Fraction(rate), 90, made, chosen)
-    return {**attrs.asdict(found), "cuts": found.cuts(shots)}
+    return {**attrs.asdict(found), "cuts": found.cuts(shots, min_shot_s)}
 
 
 def changed(before: dict[str, str], after: dict[str, str]) -> set[str]:
@@ -119,6 +125,7 @@ def test_words_and_layout_are_no_code(tree: Path) -> None:
         ({"stages": {"occlusion": "hue-area"}}, "scores"),
         ({"stages": {"selector": "least-occluded"}}, None),
         ({"shots": SHOTS[:1]}, "cuts"),
+        ({"min_shot_s": 6.0}, "cuts"),
         ({"gaze": (Path("gaze.csv"),)}, None),
     ],
     ids=str,

@@ -217,7 +217,7 @@ def test_evaluate_measures_the_programme_as_it_is_now(programme) -> None:
         (lambda p: p.override((0, 5), camera="cam9"), "there is no camera 'cam9'"),
         (lambda p: p.override((5, 5), camera="cam1"), "a range ends after it starts"),
         (lambda p: p.override((5, 50), camera="cam1"), "there is no frame 49"),
-        (lambda p: p.override(5, camera="cam1"), "a stretch is its first frame and its end, got 5"),
+        (lambda p: p.override(5, camera="cam1"), "a range is its first frame and its end, got 5"),
         (lambda p: p.override((0, 5)), "decides nothing. Give one of camera"),
     ],
 )

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcsl_core.analysis.pipeline import gaze_places
 from mcsl_core.centering.gaze import Gaze, fixations, read_gaze
+from mcsl_core.centering.positions import gaze_positions
 from mcsl_core.edl import IDENTITY, Camera, Correction, Edl, Media, Pose, Shot
 from mcsl_core.errors import DocumentError, InputError
 from mcsl_core.timing import FrameRange
@@ -122,6 +122,6 @@ def test_the_analysis_takes_a_cameras_gaze_through_its_pose_and_the_editors_corr
         corrections=(Correction(FrameRange(600, 1200), "b", aside),),
     )
     gaze = [Gaze(frame, "a", 300.0, 200.0, "b") for frame in range(0, 1200, 5)]
-    first, second = gaze_places(gaze, edl)
+    first, second = gaze_positions(gaze, edl)
     assert (first.range, first.middle) == (FrameRange(0, 600), (300.0, 200.0))
     assert (second.range, second.middle) == (FrameRange(600, 1200), (400.0, 200.0))

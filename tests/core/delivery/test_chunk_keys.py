@@ -109,7 +109,7 @@ def test_qualities_lie_beside_each_other_and_a_timeline_takes_the_finest(sources
 
     def there(edl=None):
         pieces, _ = in_place(edl or make(), sources, tmp_path)
-        return [Path(piece["path"]).name for piece in pieces]
+        return [piece.path.name for piece in pieces]
 
     fine, standard, draft = ([c.name for c in made[name].chunks] for name in ("fine", "standard", "draft"))
     assert there() == fine
