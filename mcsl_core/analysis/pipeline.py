@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
+from functools import partial
 from pathlib import Path
 
 import attrs
@@ -34,12 +35,7 @@ from .stage_keys import stage_keys
 
 
 def analyse(
-    recording: Sequence[Path],
-    out: Path,
-    *,
-    settings: AnalysisSettings,
-    plugins: Plugins,
-    progress: Progress,
+    recording: Sequence[Path], out: Path, *, settings: AnalysisSettings, plugins: Plugins, progress: Progress
 ) -> edl.Edl:
     """Analyses ``recording`` (a folder, or camera files in order), writes the EDL to ``out`` and returns it.
 
@@ -75,17 +71,8 @@ def analyse(
         table = cache.remember(SCORES, keys.scores, score_views, samples, solved, segments, movements, progress)
         shots = by["selector"].select(table, frames=frames, rate=rate)
         least_s = by["selector"].min_shot_s
-        cuts = cache.remember(
-            CUTS,
-            keys.cuts(shots, least_s),
-            refine_switches,
-            shots,
-            footage,
-            segments,
-            movements,
-            progress,
-            min_shot_s=least_s,
-        )
+        refine = partial(refine_switches, min_shot_s=least_s)
+        cuts = cache.remember(CUTS, keys.cuts(shots, least_s), refine, shots, footage, segments, movements, progress)
     made = edl.Edl(
         rate=rate,
         size=reference.size,

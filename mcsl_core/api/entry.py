@@ -54,15 +54,12 @@ def analyse(
 
     Raises
     ------
-    UsageError, InputError
-        Where a name is unknown or a file refused.
-    Cancelled
-        Where ``progress`` was told to stop; nothing is written then.
+    UsageError, InputError, Cancelled
+        Where a name is unknown, a file is refused, or ``progress`` was told to stop; nothing is written then.
 
     Notes
     -----
-    Results of the stages are kept in a folder beside the EDL (``edl.cache``), so that a second analysis with another
-    selector takes a moment. ``AnalysisSettings(cache=False)`` keeps nothing.
+    The stages' results are kept beside the EDL (``edl.cache``): another selector then takes a moment.
 
     Examples
     --------

@@ -84,17 +84,11 @@ def sample_cameras(
         footage.parts(camera)  # probed here: a file that cannot be opened is told before a thread starts
     stop = threading.Event()
     queues: dict[str, queue.Queue] = {camera: queue.Queue(_AHEAD) for camera in cameras}
-    threads = [
-        threading.Thread(
-            target=_decode_into,
-            args=(footage, camera, frames, step, height, queues[camera], stop),
-            name=f"samples of {camera}",
-            daemon=True,
-        )
-        for camera in cameras
-    ]
-    for thread in threads:
-        thread.start()
+    threads = []
+    for camera in cameras:
+        arguments = footage, camera, frames, step, height, queues[camera], stop
+        threads.append(threading.Thread(target=_decode_into, args=arguments, name=f"samples of {camera}", daemon=True))
+        threads[-1].start()
     try:
         for frame in frames:
             sampled: dict[str, _SampledPicture] = {}

@@ -86,9 +86,18 @@ def synchronise(
     reference = reference or cameras[0].name
     plain = [attrs.evolve(camera, clock=Clock()) for camera in cameras]
     footage = Footage(plain, rate=Fraction(1), frames=1, base=Path(base))
+    clocks = _found(METHODS[method], footage, reference, progress)
+    clocks |= _checked({n: c for n, c in clocks.items() if c.method == "timecode"}, footage, reference, progress)
+    used = [name for name in _FINDERS if any(c.method == name for c in clocks.values())]
+    clocks[reference] = Clock(method=used[0], confidence=1.0) if used else Clock()
+    return tuple(clocks.get(camera.name, Clock()) for camera in cameras)
+
+
+def _found(methods: Sequence[str], footage: Footage, reference: str, progress: Progress) -> dict[str, Clock]:
+    """The clock of each camera by the first of the methods that is sure; those that none settles are told of."""
     clocks: dict[str, Clock] = {}
-    reasons: dict[str, list[str]] = {c.name: [] for c in plain if c.name != reference}
-    for used_method in METHODS[method]:
+    reasons: dict[str, list[str]] = {c.name: [] for c in footage.cameras if c.name != reference}
+    for used_method in methods:
         wanted = [name for name in reasons if name not in clocks]
         if not wanted:
             break
@@ -100,10 +109,7 @@ def synchronise(
     for name, why in reasons.items():
         if name not in clocks and why:
             progress.note(f"{name} is taken to start with {reference} ({'; '.join(why)})")
-    clocks |= _checked({n: c for n, c in clocks.items() if c.method == "timecode"}, footage, reference, progress)
-    used = [name for name in _FINDERS if any(c.method == name for c in clocks.values())]
-    clocks[reference] = Clock(method=used[0], confidence=1.0) if used else Clock()
-    return tuple(clocks.get(camera.name, Clock()) for camera in cameras)
+    return clocks
 
 
 def _checked(

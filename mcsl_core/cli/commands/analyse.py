@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -10,6 +11,7 @@ import mcsl_core as mcsl
 from mcsl_core.cli.options import PATH, stage_options
 from mcsl_core.cli.output import Session
 from mcsl_core.errors import UsageError
+from mcsl_core.hooks.stages import STAGES
 from mcsl_core.timing import parse_rate
 
 
@@ -24,15 +26,7 @@ from mcsl_core.timing import parse_rate
 @stage_options
 @click.pass_obj
 def analyse(
-    session: Session,
-    recording: tuple[Path, ...],
-    out: Path,
-    reference: str | None,
-    rate: str | None,
-    sync: str,
-    gaze: tuple[Path, ...],
-    no_cache: bool,
-    **stages: str | None,
+    session: Session, recording: tuple[Path, ...], out: Path, rate: str | None, no_cache: bool, **how: Any
 ) -> None:
     """Decide everything: a recording becomes an EDL.
 
@@ -44,14 +38,8 @@ def analyse(
         frames_per_second = parse_rate(rate) if rate else None
     except ValueError as error:
         raise UsageError(str(error)) from error
-    settings = mcsl.AnalysisSettings(
-        reference=reference,
-        rate=frames_per_second,
-        sync=sync,
-        gaze=gaze,
-        cache=not no_cache,
-        stages={stage: name for stage, name in stages.items() if name},
-    )
+    stages = {stage: name for stage in STAGES if (name := how.pop(stage))}
+    settings = mcsl.AnalysisSettings(rate=frames_per_second, cache=not no_cache, stages=stages, **how)
     with session.progress() as progress:
         made = mcsl.analyse(recording, out, settings=settings, progress=progress)
     session.result({"edl": str(out), **summary.summary(made.edl)}, f"{out}: {summary.describe(made.edl)}")

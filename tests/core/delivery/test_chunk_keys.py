@@ -1,7 +1,6 @@
 """Keys change with what the pixels depend on and nothing else; media of different qualities lie side by side."""
 
 import shutil
-from pathlib import Path
 
 import attrs
 import pytest
