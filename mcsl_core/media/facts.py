@@ -97,11 +97,6 @@ class MediaFacts:
         return float(self.end_s)
 
     @property
-    def first_timestamp_s(self) -> float:
-        """The first picture's time in seconds; above 0 for a late start."""
-        return float(self.start_s)
-
-    @property
     def has_audio(self) -> bool:
         """Whether there is an audio track."""
         return self.audio_rate is not None
