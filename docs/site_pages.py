@@ -11,8 +11,8 @@ FRONT_DOOR = """\
 <!-- Written by docs/generate.py from what mcsl_core offers in __all__; the words are its docstrings. -->
 
 What `import mcsl_core as mcsl` offers: to analyse a recording, to look at every picture as the programme shows it, to
-overrule, to deliver and to measure. [The notebook](../tutorials/notebook.md) uses all of it. Importing the package
-imports nothing heavy; the stages are loaded when they are needed.
+overrule, to deliver and to measure. [The notebook](../tutorials/notebook.md) goes through most of it. Importing the
+package imports nothing heavy; the stages are loaded when they are needed.
 """
 NOT_SHOWN = {"__version__"}
 
@@ -28,11 +28,12 @@ def front_door_page() -> str:
 def notebook_page(path: Path) -> str:
     """A notebook as a page: its text, its code, and the pictures that its cells name in their metadata.
 
+    Links start in examples/, where notebooks are opened.
     A cell with ``{"picture": {"file": "x.png", "alt": "..."}}`` is followed by docs/images/x.png.
     """
     parts = [f"<!-- Written by docs/generate.py from examples/{path.name}; change it there. -->"]
     for cell in json.loads(path.read_text("utf-8"))["cells"]:
-        text = "".join(cell["source"]).strip()
+        text = "".join(cell["source"]).strip().replace("](../docs/", "](../")
         parts.append(f"```python\n{text}\n```" if cell["cell_type"] == "code" else text)
         if picture := cell["metadata"].get("picture"):
             parts.append(f"![{picture['alt']}](../images/{picture['file']})")

@@ -29,6 +29,7 @@ PICTURES = 3  # of an EDL and its media as the compositor makes them, but for wh
 SOUND = 1  # of an EDL and its media
 
 _PACKAGE = __name__.partition(".")[0]
+_FACADE = f"{_PACKAGE}.hooks"  # what a plugin imports: names of other modules
 _ROOT = Path(__file__).parent
 
 
@@ -151,10 +152,17 @@ def _absolute(imports: Iterable[_Import], package: str) -> Iterator[_Import]:
 def _followed(imports: Iterable[_Import]) -> Iterator[str]:
     """The modules behind imports of this package; a folder's own only where a name of its own is taken from it.
 
-    The package's front door is left out: it leads to everything and makes nothing.
+    The package's front door is left out: it leads to everything and makes nothing. Of what plugins import, each name
+    leads to where it is, and the marker of their functions nowhere.
     """
     for each in imports:
         if each.level:  # a plugin's own
+            continue
+        if each.module == _FACADE:
+            behind = {name: taken for taken in _read(_file(_FACADE).read_bytes()).imports for name in taken.names}
+            yield from _followed(
+                _Import(0, behind[name].module, (name,)) for name in each.names if name in behind and name != "hookimpl"
+            )
             continue
         submodules = [name for name in (f"{each.module}.{item}" for item in each.names) if _file(name).is_file()]
         yield from submodules

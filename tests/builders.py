@@ -58,10 +58,6 @@ def state_of(plan: StripPlan) -> SequencerState:
     )
 
 
-def with_strips(state: SequencerState, *strips: FoundStrip) -> SequencerState:
-    return attrs.evolve(state, strips=tuple(strips))
-
-
 def small(frames: int = 100, **fields) -> Edl:
     """Two cameras, reference cam1, one pose; shots cam1 [0,40), cam2 [40,100)."""
     cameras = tuple(Camera(n, (Media(f"{n}.mp4", frames),), (320, 180), Fraction(25)) for n in ("cam1", "cam2"))

@@ -13,10 +13,27 @@ from mcsl_core.alignment.settings import SolveSettings
 
 @frozen
 class AnalysisSettings:
-    """What the caller may choose. reference: a camera name (the first without). rate: programme frames per second
-    (the reference's without). stages: stage -> name of the plugin. sample_s: seconds between looks. gaze: files of
-    where viewers looked (see `gaze`), which is centred in place of the field. cache: keep results of stages in a folder
-    beside the EDL, and use those that are there."""
+    """What the caller may choose.
+
+    Attributes
+    ----------
+    reference : str or None
+        Name of the reference camera; the first without.
+    rate : Fraction or None
+        Programme frames per second; the reference camera's without.
+    sync : {"auto", "timecode", "audio", "motion", "none"}
+        How the cameras' clocks are brought together; ``auto`` takes the first that is sure.
+    stages : mapping of str to str
+        Stage -> name of the plugin that does it.
+    sample_s : float
+        Seconds between the pictures looked at.
+    solve : SolveSettings
+        Of the alignment.
+    gaze : tuple of Path
+        Files of where viewers looked, which is centred in place of the field.
+    cache : bool
+        Whether results of stages are kept beside the EDL, and those that are there used again.
+    """
 
     reference: str | None = None
     rate: Fraction | None = None

@@ -185,7 +185,6 @@ def _direct(edl: Edl, edl_path: Path, out: Path, how: RenderSettings, progress: 
         resampling=how.quality.resampling,
     )
     write_direct(ProgrammeSource(edl, edl_path.parent, filler), out, video=video, progress=progress)
-    write_direct(ProgrammeSource(edl, edl_path.parent, filler), out, video=video, progress=progress)
 
 
 def _in_blender(blend: Path, out: Path, preset: Preset, blender: Blender, progress: Progress) -> None:

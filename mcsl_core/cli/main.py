@@ -18,14 +18,14 @@ from mcsl_core.progress import JsonLines
 
 from .commands import COMMANDS
 from .options import Commands
-from .output import Session, own_output
+from .output import MODES, Session, own_output
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(__version__, prog_name="mcsl")
 @click.option(
     "--progress",
-    type=click.Choice(["auto", "bar", "lines", "json", "none"]),
+    type=click.Choice(MODES),
     default="auto",
     help="How long work reports: a bar, one line a stage, one JSON object a line on standard output, or not at all.",
 )

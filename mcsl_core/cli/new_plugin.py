@@ -12,6 +12,7 @@ from pathlib import Path
 import jinja2
 from attrs import frozen
 
+from mcsl_core import hooks
 from mcsl_core.errors import InputError, UsageError
 from mcsl_core.hooks.registry import discover
 from mcsl_core.hooks.stages import STAGES
@@ -25,11 +26,10 @@ class _Example:
     needs: tuple[str, ...] = ("numpy",)
 
 
+_NAMES_IN_TEMPLATES = ("Array", "Sequence", "Mapping", "Scorer", "NDArray")
 _WITH_CV2 = ("numpy", "opencv-python-headless")
 EXAMPLES: Mapping[str, _Example] = {
-    "movement": _Example(
-        "the lamp moves when most of the picture changes at once", ("numpy", "opencv-python-headless")
-    ),
+    "movement": _Example("the lamp moves when most of the picture changes at once", _WITH_CV2),
     "matcher": _Example("ORB's points, matched where each is the other's best", _WITH_CV2),
     "aligner": _Example("each camera tied to the reference camera by itself", _WITH_CV2),
     "occlusion": _Example("what does not look as it usually does is in the way"),
@@ -57,12 +57,12 @@ def new_plugin(name: str, stage: str, folder: Path) -> list[Path]:
     words = {
         "name": name,
         "module": module,
-        "cls": "".join(part.capitalize() for part in name.split("-")),
+        "cls": _class_name(name),
         "stage": stage,
         "noun": noun,
         "noun_capital": f"{'An' if noun[0] in 'aeiou' else 'A'} {noun}",
         "does": example.does,
-        "dependencies": ", ".join(f'"{package}"' for package in ("mcsl", "attrs", *example.needs)),
+        "dependencies": ", ".join(f'"{package}"' for package in ("mcsl>=0.2", "attrs", *example.needs)),
     }
     files = {
         "pyproject.toml": "pyproject.toml.j2",
@@ -95,6 +95,10 @@ def _rendered(template: str, words: Mapping[str, str]) -> str:
     return environment.get_template(template).render(words)
 
 
+def _class_name(name: str) -> str:
+    return "".join(part.capitalize() for part in name.split("-"))
+
+
 def _check_name(name: str, module: str, stage: str) -> None:
     if not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", name) or keyword.iskeyword(module):
         remedy = "Take small letters, digits and single hyphens, such as own-past"
@@ -103,5 +107,8 @@ def _check_name(name: str, module: str, stage: str) -> None:
         if (offer.stage, offer.name) == (stage, name):
             taken = f"the name is that of the {STAGES[stage].noun} {offer}"
             raise UsageError(taken, remedy="Choose another name")
+    cls = _class_name(name)
+    if keyword.iskeyword(cls) or cls in {*hooks.__all__, *_NAMES_IN_TEMPLATES}:
+        raise UsageError(f"its class would be called {cls}, which is taken", remedy="Choose another name")
     if importlib.util.find_spec(module) is not None:
         raise UsageError(f"there is a Python package {module!r} already", remedy="Choose another name")

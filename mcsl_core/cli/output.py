@@ -14,7 +14,10 @@ from typing import Any
 
 from rich.console import Console
 
+from mcsl_core.errors import UsageError
 from mcsl_core.progress import JsonLines, Progress
+
+MODES = ("auto", "bar", "lines", "json", "none")
 
 
 def own_output() -> None:
@@ -34,9 +37,24 @@ def own_output() -> None:
 
 
 class Session:
-    """What every command shares: how progress is shown, and how the result is told."""
+    """What every command shares: how progress is shown, and how the result is told.
 
-    def __init__(self, progress: str, debug: bool) -> None:
+    Parameters
+    ----------
+    progress : {"auto", "bar", "lines", "json", "none"}
+        ``auto``: a bar at a terminal, else one line a stage.
+    debug : bool
+        Whether errors show their traceback.
+
+    Raises
+    ------
+    UsageError
+        Where there is no such way to show progress.
+    """
+
+    def __init__(self, progress: str = "auto", debug: bool = False) -> None:
+        if progress not in MODES:
+            raise UsageError(f"{progress!r} is no way to show progress", remedy=f"Take one of {', '.join(MODES)}")
         self.debug = debug
         self.out = Console(highlight=False, soft_wrap=True)
         self.err = Console(stderr=True, highlight=False)

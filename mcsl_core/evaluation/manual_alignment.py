@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from mcsl_core.documents import make_converter, read_json, structure_document
 from mcsl_core.edl import IDENTITY, Edl, Matrix, Pose, Weak
 from mcsl_core.edl.resolve import resolve
-from mcsl_core.errors import DocumentError, Fault, InputError
+from mcsl_core.errors import DocumentError, Fault, InputError, UsageError
 from mcsl_core.imaging.geometry import to_edl_matrix
 
 FITS = ("similarity", "homography")
@@ -201,7 +201,11 @@ def load_manual(path: Path, edl: Edl, *, fit: str = "similarity") -> ByHand:
         Names the entry that is wrong.
     InputError
         Where the file cannot be read.
+    UsageError
+        Where there is no such ``fit``.
     """
+    if fit not in FITS:
+        raise UsageError(f"{fit!r} is no fit for point pairs", remedy=f"Take one of {', '.join(FITS)}")
     read = _read_csv if path.suffix.lower() == ".csv" else _read_json
     by_hand: dict[int, dict[str, Matrix]] = {index: {} for index in range(len(edl.poses))}
     sizes = {camera.name: camera.size for camera in edl.cameras}

@@ -198,7 +198,7 @@ class MatcherGuard(Guard):
 
 
 class AlignerGuard(Guard):
-    """Of a `Aligner`: every camera tied in or named weak with a reason, proper homographies."""
+    """Of an `Aligner`: every camera tied in or named weak with a reason, proper homographies."""
 
     def align(
         self,
@@ -271,7 +271,7 @@ class ScorerGuard:
 
 
 class OcclusionGuard(Guard):
-    """Of a `OcclusionDetector`: something that has a `score`."""
+    """Of an `OcclusionDetector`: something that has a `score`."""
 
     def scorer(self, aligned: AlignedPose, samples: Sequence[Sequence[AlignedView]]) -> ScorerGuard:
         scorer = self.call("scorer", read_only(aligned), _Samples(samples, range(len(samples))))

@@ -82,16 +82,6 @@ def tube(rng: np.random.Generator, pitch: float, material: Material, radius: flo
     return clay.bake(rng), radius
 
 
-def beside_the_field(rng: np.random.Generator, site: Site, length: float) -> tuple[tuple[float, float], float]:
-    """The tip and the direction of a thing of that length that lies on the drapes, near the field but not in it."""
-    while True:
-        angle, far, turn = rng.uniform(0, 6.28), rng.uniform(130, 260), rng.uniform(0, 6.28)
-        tip = np.array([far * np.cos(angle), far * np.sin(angle)])
-        along = tip - np.linspace(0, length, 9)[:, None] * np.array([np.cos(turn), np.sin(turn)])
-        if (site.opening(along[:, 0], along[:, 1]) < -22).all():
-            return (float(tip[0]), float(tip[1])), turn
-
-
 def litter(scenario: Scenario, site: Site, layer: NDArray, pitch: float) -> None:
     """Everything on the drapes: laid so that the opening and the wound stay free."""
     rng = scenario.stream("litter")

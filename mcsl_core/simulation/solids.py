@@ -53,7 +53,6 @@ class Material:
 
 
 STEEL = Material((0.62, 0.61, 0.60), gloss=0.8, hardness=60, mirror=1.0, mottle=0.02)
-BRASS = Material((0.30, 0.55, 0.70), gloss=0.7, hardness=50, mirror=0.8)
 PLASTIC = Material((0.62, 0.66, 0.66), gloss=0.6, hardness=80)
 CABLE = Material((0.45, 0.22, 0.10), gloss=0.4, hardness=60)
 

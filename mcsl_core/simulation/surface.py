@@ -16,7 +16,6 @@ from .scenario import Scenario
 
 HALF_MM = 432.0
 PITCH_MM = 1.5
-SIDE = int(2 * HALF_MM / PITCH_MM) + 1
 
 
 @attrs.frozen(eq=False)

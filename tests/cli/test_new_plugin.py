@@ -150,6 +150,9 @@ def test_it_says_what_it_wrote_and_what_comes_next(tmp_path: Path, capsys, monke
             for wrong in ("Own", "own_past", "-own", "own-", "1st", "a--b", "../x", "")
         ),
         ("class", "is no name for a plugin"),
+        ("none", "its class would be called None, which is taken"),
+        ("score-table", "its class would be called ScoreTable, which is taken"),
+        ("scorer", "its class would be called Scorer, which is taken"),
         ("numpy", "there is a Python package 'numpy' already"),
         ("consensus", r"the name is that of the occlusion detector consensus \(mcsl "),
     ],

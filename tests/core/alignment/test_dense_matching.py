@@ -10,7 +10,6 @@ from mcsl_core.alignment.dense_matching import AlignedCamera, DenseSettings, mat
 from mcsl_core.imaging.geometry import transform_points
 
 SIZE = (480, 270)
-RNG = np.random.default_rng(11)
 
 
 def cloth(seed: int, hue: tuple[float, float, float]) -> np.ndarray:

@@ -135,8 +135,7 @@ def test_a_changed_choice_changes_the_stages_it_is_for(change: dict, first: str 
 
 
 PLUGIN = """
-from mcsl_core.hooks.specs import hookimpl
-from mcsl_core.occlusion.consensus import Consensus
+from mcsl_core.hooks import Consensus, hookimpl
 class Halves(Consensus):
     name = "halves"
 @hookimpl
@@ -159,6 +158,10 @@ def test_a_plugin_is_asked_by_all_of_its_source_and_what_it_takes_from_mcsl(
     (tmp_path / "halves/beside.py").write_text("X = 2\n")
     after = keys(**ask)
     assert changed(before, after) == from_stage("scores")
+    for file in ("hooks/__init__.py", "hooks/guards.py", "hooks/registry.py", "selection/selectors.py"):
+        path = tree / file
+        path.write_text(path.read_text() + "\nADDED = 1\n")
+    assert keys(**ask) == after, "the names that it imports come from elsewhere"
     path = tree / "occlusion/consensus.py"
     path.write_text(path.read_text() + "\nADDED = 1\n")
     assert changed(after, keys(**ask)) == from_stage("scores")

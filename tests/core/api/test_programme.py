@@ -19,6 +19,7 @@ from mcsl_core.imaging.planes import bgr_to_planes
 from mcsl_core.media.writing import Encoding, VideoWriter
 from mcsl_core.movement.protocol import NO_CURVE
 from mcsl_core.occlusion.score_table import ScoreTable
+from mcsl_core.progress import Silent
 from mcsl_core.timing import FrameRange
 
 SIZE, RATE, FRAMES = (320, 180), 5, 20
@@ -181,12 +182,25 @@ def test_what_was_closed_is_opened_again(programme) -> None:
 # --------------------------------------------------------------------------------------------- render and measure
 
 
+class Stages(Silent):
+    """Keeps which stages were begun."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.stages: list[str] = []
+
+    def stage(self, name: str, total: int | None = None, unit: str = "") -> None:
+        self.stages.append(name)
+
+
 def test_what_is_rendered_is_saved_first(programme, tmp_path: Path) -> None:
     programme.override((0, 20), camera="cam2")
     with pytest.raises(UsageError, match=r"not saved.*save\(\)"):
         programme.render(tmp_path / "out.mp4", engine="direct")
     programme.save()
-    out = programme.render(str(tmp_path / "out.mp4"), engine="direct")
+    heard = Stages()
+    out = programme.render(str(tmp_path / "out.mp4"), engine="direct", progress=heard)
+    assert heard.stages == ["Writing the programme"]
     with av.open(str(out)) as container:
         assert sum(1 for _ in container.decode(video=0)) == FRAMES
 

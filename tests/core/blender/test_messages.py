@@ -39,10 +39,13 @@ R = FrameRange
 
 def a_request(**fields) -> TimelineRequest:
     given = {
-        "edl": Path("/work/edl.json"),
-        "blend": Path("/work/edit.blend"),
-        "conformed": (ConformedPiece(R(0, 60), Path("/work/a.mp4")), ConformedPiece(R(60, 90), Path("/work/b.mp4"))),
-        "sound": Path("/work/sound.wav"),
+        "edl": Path("/edit/edl.json"),
+        "blend": Path("/edit/edit.blend"),
+        "conformed": (
+            ConformedPiece(R(0, 60), Path("/edit/a.mp4")),
+            ConformedPiece(R(60, 90), Path("/edit/b.mp4")),
+        ),
+        "sound": Path("/edit/sound.wav"),
         "preset": load_preset("prores"),
         "output": "edit.mov",
     }
@@ -73,9 +76,9 @@ def test_a_wrong_request_is_refused_with_the_path_to_the_value(key, value, messa
 
 def test_a_relative_path_is_refused_where_the_request_is_made():
     with pytest.raises(Fault, match="must be an absolute path"):
-        RefreshRequest(edl=Path("edl.json"), blend=Path("/work/edit.blend"), conformed=(), sound=None)
+        RefreshRequest(edl=Path("edl.json"), blend=Path("/edit/edit.blend"), conformed=(), sound=None)
     with pytest.raises(Fault, match="must be an absolute path"):
-        RenderRequest(blend=Path("/work/edit.blend"), preset=load_preset("h264"), output=Path("out.mp4"))
+        RenderRequest(blend=Path("/edit/edit.blend"), preset=load_preset("h264"), output=Path("out.mp4"))
 
 
 def test_what_progress_writes_is_what_messages_read():
@@ -147,7 +150,7 @@ def test_the_list_of_plugins_is_one_of_messages():
     from mcsl_core.cli.commands.plugins import list_plugins
     from mcsl_core.cli.output import Session
 
-    done = CliRunner().invoke(list_plugins, ["--json"], obj=Session("quiet", debug=True))
+    done = CliRunner().invoke(list_plugins, ["--json"], obj=Session(debug=True))
     rows = structure(json.loads(done.stdout), tuple[OfferedPlugin, ...], where="mcsl plugins")
     assert [row.name for row in rows if row.stage == "occlusion" and row.default] == ["consensus"]
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from blender_addon.core.similarity import closest
 from mcsl_core.edl import IDENTITY, Camera, Edl, Media, Pose, Shot
-from mcsl_core.errors import McslError
+from mcsl_core.errors import McslError, UsageError
 from mcsl_core.evaluation.manual_alignment import (
     StripTransform,
     aligned_by_hand,
@@ -198,3 +198,9 @@ def test_what_is_wrong_in_a_csv_file_is_named(edl: Edl, tmp_path: Path, text: st
     with pytest.raises(McslError) as refused:
         load_manual(write(tmp_path / "m.csv", text), edl)
     assert message in str(refused.value)
+
+
+def test_a_fit_that_there_is_not_lists_those_that_there_are(edl: Edl, tmp_path: Path) -> None:
+    path = write(tmp_path / "m.json", {"alignments": [{"camera": "b", "points": POINTS}]})
+    with pytest.raises(UsageError, match=r"'affine' is no fit for point pairs.*similarity, homography"):
+        load_manual(path, edl, fit="affine")
