@@ -97,7 +97,7 @@ def test_their_own_tests_pass(written: Written) -> None:
 def test_they_keep_the_contract_of_their_stage(written: Written) -> None:
     """A minute or two: the movement detector is shown films."""
     options = ("-q", "-p", "no:cacheprovider", "-k", " or ".join(f"new-{stage}" for stage in STAGES), "-rA")
-    done = written.run("-m", "pytest", *options, "tests/contract/test_stages.py")
+    done = written.run("-m", "pytest", *options, "tests/contract/test_stages.py", "tests/contract/test_fillers.py")
     assert done.returncode == 0, done.stdout[-3000:]
     for stage in STAGES:
         assert re.search(rf"^PASSED .*new-{stage}", done.stdout, re.MULTILINE), stage
