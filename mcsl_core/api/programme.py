@@ -150,11 +150,11 @@ class Programme:
         Raises
         ------
         UsageError
-            Where nothing is decided, the camera is unknown, or the range is not inside the programme.
+            Where nothing is decided, a value is none for its name, or the range is not inside the programme.
 
         Examples
         --------
-        >>> p.override((900, 1200), camera="cam2")
+        >>> p.override((900, 1100), camera="cam2")
         >>> p.save()
         """
         decided: dict[str, Any] = {
@@ -167,7 +167,10 @@ class Programme:
         if all(value is None for value in decided.values()):
             remedy = f"Give one of {', '.join(decided)}"
             raise UsageError("the override decides nothing", where=str(self.path), remedy=remedy)
-        override = Override(self._range(frames), note=note, **decided)
+        try:
+            override = Override(self._range(frames), note=note, **decided)
+        except Fault as fault:
+            raise UsageError(str(fault), where=str(self.path), remedy="See help(Programme.override)") from None
         if camera is not None:
             self._views.check_camera(camera)
         self.edl = attrs.evolve(self._edl, overrides=(*self._edl.overrides, override))
@@ -382,7 +385,7 @@ class Programme:
             piece = frames if isinstance(frames, FrameRange) else FrameRange(*frames)
         except (Fault, TypeError) as error:
             what = error.what if isinstance(error, Fault) else f"a range is its first frame and its end, got {frames!r}"
-            raise UsageError(what, where=str(self.path), remedy="Give it as (900, 1200)") from None
+            raise UsageError(what, where=str(self.path), remedy="Give it as (900, 1100)") from None
         self._views.check_frame(piece.stop - 1)
         return piece
 

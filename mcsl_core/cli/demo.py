@@ -39,11 +39,11 @@ def run_demo(folder: Path, *, seed: int, blender: str | None, progress: Progress
     """
     if not (folder / "recording" / "truth.json").exists() and not _is_free(folder):
         raise InputError("is not empty", where=str(folder), remedy="Name a new folder: mcsl demo FOLDER")
-    desk = blenders.find(blender)
+    desk, plugins = blenders.find(blender), discover()  # what is broken is said before the long work
     recording, edl_path = folder / "recording", folder / "edl.json"
     blend, video, sheet = folder / "edit.blend", folder / "programme.mp4", folder / "contact-sheet.png"
     truth = simulate(Scenario(seed=seed, duration_s=DURATION_S, movements=1), recording, progress)
-    made = analyse([recording], edl_path, settings=AnalysisSettings(), plugins=discover(), progress=progress)
+    made = analyse([recording], edl_path, settings=AnalysisSettings(), plugins=plugins, progress=progress)
     build_timeline(edl_path, blend, blender=desk, progress=progress)
     rendering.render(blend, video, preset="h264", engine="blender", blender=desk, progress=progress)
     middles = [(p.range.start + p.range.stop) // 2 for p in made.poses]

@@ -9,6 +9,7 @@ import contextlib
 import os
 import signal
 import sys
+from itertools import pairwise
 
 import click
 
@@ -88,8 +89,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _wants_json(arguments: list[str]) -> bool:
-    pairs = zip(arguments, [*arguments[1:], ""], strict=True)
-    return "--progress=json" in arguments or any(pair == ("--progress", "json") for pair in pairs)
+    return "--progress=json" in arguments or ("--progress", "json") in pairwise(arguments)
 
 
 def _fail(error: McslError, as_json: bool) -> int:

@@ -101,7 +101,7 @@ def _class_name(name: str) -> str:
 
 def _check_name(name: str, module: str, stage: str) -> None:
     if not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", name) or keyword.iskeyword(module):
-        remedy = "Take small letters, digits and single hyphens, such as own-past"
+        remedy = "Take small letters, digits and single hyphens, such as usual-look"
         raise UsageError(f"{name!r} is no name for a plugin", remedy=remedy)
     for offer in discover().offers:
         if (offer.stage, offer.name) == (stage, name):

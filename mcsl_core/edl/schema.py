@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
+from numbers import Real
 from typing import Any
 
 import attrs
@@ -35,6 +36,11 @@ def _require(condition: bool, what: str, at: str) -> None:
 
 def _positive_rate(_: Any, attribute: attrs.Attribute[Any], value: Fraction) -> None:
     _require(value > 0, f"a rate must be positive, got {value}", f".{attribute.name}")
+
+
+def _pair(_: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
+    numbers = isinstance(value, tuple) and len(value) == 2 and all(isinstance(each, Real) for each in value)
+    _require(numbers, f"expected two numbers, got {value!r}", f".{attribute.name}")
 
 
 def _check_matrix(matrix: Matrix, at: str) -> None:
@@ -178,10 +184,15 @@ class Override:
     colour: bool | None = field(default=None, metadata=doc("colour matching on or off", optional=True))
     offset: tuple[float, float] | None = field(
         default=None,
-        validator=optional(Bounds()),
+        validator=optional([_pair, Bounds()]),
         metadata=doc("[dx, dy] in programme pixels, by hand, in place of the automatic centering", optional=True),
     )
     note: str = field(default="", metadata=doc("the editor's remark", optional=True))
+
+    def __attrs_post_init__(self) -> None:
+        for name in ("centering", "fill", "colour"):
+            value = getattr(self, name)
+            _require(value is None or isinstance(value, bool), f"expected true or false, got {value!r}", f".{name}")
 
 
 @frozen

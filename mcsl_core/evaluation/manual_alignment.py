@@ -272,7 +272,8 @@ def _read_csv(path: Path) -> Sequence[_Entry]:
                 raise DocumentError(str(error), where=f"{path}, line {rows.line_num}", remedy=remedy) from error
             found.setdefault((row["camera"], pose), []).append((x, y, u, v))
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"cannot be read ({error})", where=str(path), remedy="Check the path") from error
+        why = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
+        raise InputError(f"cannot be read ({why})", where=str(path), remedy="Check the path") from error
     try:
         return [_Entry(camera, pose, points=tuple(points)) for (camera, pose), points in found.items()]
     except Fault as fault:

@@ -40,6 +40,12 @@ def test_help_is_there_and_fits_a_terminal(command: str) -> None:
     assert max(map(len, done.stdout.splitlines())) <= 100
 
 
+def test_alone_it_shows_its_help() -> None:
+    done = mcsl()
+    assert "Usage: mcsl" in done.stdout + done.stderr
+    assert "Traceback" not in done.stderr
+
+
 def test_help_starts_at_once() -> None:
     """Help must not import the heavy packages."""
     heavy = {"cv2", "av", "sklearn", "scipy", "numpy"}
@@ -57,7 +63,7 @@ def test_help_starts_at_once() -> None:
         (["conform", "nowhere.json"], 3, "nowhere.json: cannot be read"),
         (["conform", "nowhere.json", "--quality", "best"], 2, "draft, standard, fine"),
         (["render", "nowhere.json", "-o", "x.mp4", "--quality", "best"], 2, "draft, standard, fine"),
-        (["simulate", "x", "--size", "wide"], 2, "mcsl simulate --help"),
+        (["simulate", "x", "--size", "wide"], 2, "--size wide is no size. Give it as 640x360"),
         (["simulate", "x", "--duration", "5", "--movements", "3"], 2, "make it longer"),
     ],
 )

@@ -132,7 +132,7 @@ def test_it_says_what_it_wrote_and_what_comes_next(tmp_path: Path, capsys, monke
     monkeypatch.chdir(tmp_path)
     assert main(["plugin", "new", "own-past", "--stage", "occlusion"]) == 0
     told = capsys.readouterr().out
-    assert "own-past: occlusion detector own-past. Install it: pip install -e" in told
+    assert f"own-past: occlusion detector own-past. Install it: {sys.executable} -m pip install -e " in told
     assert "--occlusion own-past" in told
     files = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()}
     assert files == {

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
+from shlex import quote
 
 import click
 
@@ -31,8 +33,9 @@ def new(session: Session, name: str, stage: str, out: Path | None) -> None:
 
     folder = out or Path(name)
     files = new_plugin(name, stage, folder)
+    python, install = quote(sys.executable), quote(str(folder.resolve()))
     session.result(
         {"folder": str(folder), "files": [str(file) for file in files]},
-        f"{folder}: {STAGES[stage].noun} {name}. Install it: pip install -e {folder.resolve()}\n"
-        f"Use it: mcsl analyse ... --{stage} {name}\nTest it: pytest {folder}",
+        f"{folder}: {STAGES[stage].noun} {name}. Install it: {python} -m pip install -e {install}\n"
+        f"Use it: mcsl analyse ... --{stage} {name}\nTest it: {python} -m pytest {quote(str(folder))}",
     )

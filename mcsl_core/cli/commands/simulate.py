@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -33,9 +34,11 @@ def simulate(session: Session, out: Path, size: str, rate: str, **scene: Any) ->
     from mcsl_core.simulation import Scenario
     from mcsl_core.simulation import simulate as run
 
+    numbers = re.fullmatch(r"(\d+)x(\d+)", size.lower())
+    if numbers is None:
+        raise UsageError(f"--size {size} is no size", remedy="Give it as 640x360")
     try:
-        width, height = (int(v) for v in size.lower().split("x"))
-        scenario = Scenario(size=(width, height), rate=parse_rate(rate), **scene)
+        scenario = Scenario(size=(int(numbers[1]), int(numbers[2])), rate=parse_rate(rate), **scene)
     except ValueError as error:
         raise UsageError(str(error), remedy="See: mcsl simulate --help") from error
     with session.progress() as progress:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from shlex import quote
 
 import click
 
@@ -24,7 +25,7 @@ def timeline(session: Session, edl: Path, out: Path, preset: str, conformed: Pat
 
     with session.progress() as progress:
         built = mcsl.open(edl).timeline(out, preset=preset, conformed=conformed, blender=blender, progress=progress)
-    session.result(to_json(built), f"{out}: open it in Blender, or render it: mcsl render {out}")
+    session.result(to_json(built), f"{out}: open it in Blender, or render it: mcsl render {quote(str(out))}")
 
 
 @click.command()
