@@ -96,6 +96,11 @@ def first_luma(path):
         return next(container.decode(video=0)).to_ndarray(format="gray")
 
 
+def matched(found, points):
+    """Of what was found the nearest to each point."""
+    return np.array([found[np.hypot(*(found - p).T).argmin()] for p in points])
+
+
 def test_the_exact_picture_moves_as_the_editor_saw_the_preview_move(tmp_path, blender):
     """Spots in the preview before and after a correction, and in the exact picture: they must all move alike.
 
@@ -139,9 +144,6 @@ def test_the_exact_picture_moves_as_the_editor_saw_the_preview_move(tmp_path, bl
     in_blender(blender, blend, CAMERAS + code)
     [correction] = pull_overrides(blend, blender=blender).corrections
     seen_after, exact_after = preview("after.mkv"), exact("exact_after.mkv")
-
-    def matched(found, points):
-        return np.array([found[np.hypot(*(found - p).T).argmin()] for p in points])
 
     sure = [p for p in projected(homography, SPOTS) if 20 < p[0] < 290 and 20 < p[1] < 150]
     assert len(sure) >= 4
