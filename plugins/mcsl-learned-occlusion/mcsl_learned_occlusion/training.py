@@ -125,7 +125,9 @@ def _fitted(frames: Sequence[_Frame], classes: tuple[str, ...], settings: Traini
                 labels.append(frame.labels[at])
     if not labels or len(set(np.concatenate(labels).tolist())) < len(classes):
         return None
-    x, y = _varied(np.concatenate(values), rng, settings), np.concatenate(labels)
+    # Doubles, since the last bit of a sum depends on where an array lies in memory and training makes it grow: in
+    # floats the same frames once gave weights that differed.
+    x, y = _varied(np.concatenate(values), rng, settings).astype(np.float64), np.concatenate(labels)
     mean, deviation = x.mean(axis=0), np.maximum(x.std(axis=0), 1e-3)
     how: dict[str, Any] = {"batch_size": min(512, len(x)), "max_iter": settings.rounds, "random_state": settings.seed}
     learner = MLPClassifier(settings.hidden, alpha=1e-3, learning_rate_init=3e-3, **how)
