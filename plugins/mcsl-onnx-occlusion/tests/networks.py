@@ -19,11 +19,11 @@ def save(
     layout: str = "NCHW",
     kind: str = "float",
     weights: dict[str, np.ndarray] | None = None,
-    out: int = TensorProto.FLOAT,
     inputs: tuple[str, ...] = ("picture",),
 ) -> Path:
     """Nodes from "picture" to "out" as an .onnx file; size: (width, height), numbers or names of free axes."""
     width, height = size
+    out = TensorProto.INT64 if nodes[-1].op_type == "ArgMax" else TensorProto.FLOAT
     shape = [1, 3, height, width] if layout == "NCHW" else [1, height, width, 3]
     graph = helper.make_graph(
         nodes,
@@ -72,7 +72,7 @@ def channels(path: Path, **how) -> Path:
 def labels(path: Path, **how) -> Path:
     """The number of the strongest channel, 0 red, 1 green, 2 blue, as a map of labels (1, 1, H, W)."""
     node = helper.make_node("ArgMax", ["picture"], ["out"], axis=1, keepdims=1)
-    return save(path, [node], out=TensorProto.INT64, **how)
+    return save(path, [node], **how)
 
 
 def not_a_number(path: Path, **how) -> Path:
