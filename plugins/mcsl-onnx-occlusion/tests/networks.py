@@ -23,7 +23,8 @@ def save(
 ) -> Path:
     """Nodes from "picture" to "out" as an .onnx file; size: (width, height), numbers or names of free axes."""
     width, height = size
-    out = TensorProto.INT64 if nodes[-1].op_type == "ArgMax" else TensorProto.FLOAT
+    numbers = TensorProto.FLOAT16 if kind == "half" else TensorProto.FLOAT
+    out = TensorProto.INT64 if nodes[-1].op_type == "ArgMax" else numbers
     shape = [1, 3, height, width] if layout == "NCHW" else [1, height, width, 3]
     graph = helper.make_graph(
         nodes,

@@ -54,7 +54,7 @@ def use(monkeypatch):
             '[input]\nlayout="NHWC"\n[output]\nlayout="NHWC"\nmeaning="probabilities"\nfield=[0]',
         ),
         (
-            lambda path: networks.channels(path, kind="half", out=networks.TensorProto.FLOAT16),
+            lambda path: networks.channels(path, kind="half"),
             '[output]\nmeaning="probabilities"\nfield=[0]',
         ),
         (
