@@ -14,7 +14,7 @@ from __future__ import annotations
 import hashlib
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping
-from functools import cache, lru_cache
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +40,7 @@ from mcsl_core.edl.placement import still_range
 from mcsl_core.edl.resolve import Decision, resolve_by_pose, shift_at
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.protocol import Filler
-from mcsl_core.media.facts import fingerprint
+from mcsl_core.media.fingerprint import FORMER, fingerprint
 from mcsl_core.timing import FrameRange, merge_equal
 
 from .quality import QUALITIES, STANDARD, Quality
@@ -67,28 +67,22 @@ def is_chunk(name: str) -> bool:
     return name.endswith(SUFFIX) and len(parts) == 3 and parts[0].isdigit() and parts[1].isdigit()
 
 
-@lru_cache(maxsize=256)
-def _content(path: Path, _size: int, _changed_ns: int) -> str:
-    return fingerprint(path)
-
-
 def media_fingerprints(camera: Camera, base: Path) -> list[str]:
-    """Content keys of a camera's files as they are now; InputError where one is gone."""
-    keys = []
-    for media in camera.media:
-        path = base / media.path
-        if path.is_file():
-            state = path.stat()
-            keys.append(_content(path, state.st_size, state.st_mtime_ns))
-        else:
-            keys.append(fingerprint(path))  # says what is wrong
-    return keys
+    """Content keys of a camera's files as they are now, of the kind that the EDL has; InputError where one is gone."""
+    return [fingerprint(base / media.path, like=media.fingerprint) for media in camera.media]
+
+
+def with_former_keys(edl: Edl) -> Edl:
+    """``edl`` as a version before would have had it: its plan has the names that chunks had then."""
+    cameras = (attrs.evolve(c, media=tuple(attrs.evolve(m, fingerprint=FORMER) for m in c.media)) for c in edl.cameras)
+    return attrs.evolve(edl, cameras=tuple(cameras))
 
 
 def plan_chunks(
     edl: Edl, base: Path, *, filler: Filler | None = None, quality: Quality = STANDARD
 ) -> tuple[Chunk, ...]:
-    """The chunks that tile the programme, and their keys. Reads three blocks of each source, decodes nothing.
+    """The chunks that tile the programme, and their keys. Decodes nothing; reads the sources that it has not seen
+    in the state they are in.
 
     Chunks that no decision, pose or source distinguishes from the last plan's have the same key and name.
     """

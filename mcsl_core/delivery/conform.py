@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import threading
 import time
+from collections.abc import Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from pathlib import Path
 
@@ -21,12 +22,14 @@ from mcsl_core.compositing.parallax import Parallax
 from mcsl_core.edl.dependencies import views_of
 from mcsl_core.edl.resolve import resolve_by_pose
 from mcsl_core.errors import Cancelled, UsageError
+from mcsl_core.media.fingerprint import newest_change_s
 from mcsl_core.media.writing import VideoWriter
 from mcsl_core.progress import Progress, Silent
+from mcsl_core.recording.contents import read_contents
 from mcsl_core.recording.footage import footage_of
 
 from .audio import sound_key, write_wav
-from .chunk_keys import Chunk, is_chunk, media_fingerprints, plan_chunks
+from .chunk_keys import Chunk, is_chunk, media_fingerprints, plan_chunks, with_former_keys
 from .quality import STANDARD, Quality, as_good_as
 from .source import ProgrammeSource
 
@@ -97,9 +100,11 @@ def conform(
     jobs = min(os.cpu_count() or 1, _MOST_JOBS) if jobs is None else jobs
     if jobs < 1:
         raise UsageError(f"at least one chunk is made at a time, got {jobs}", remedy="Choose 1 or more jobs")
+    read_contents(_files(source), progress)  # of hours it takes minutes: what follows finds it remembered
     chunks = plan_chunks(source.edl, source.base, filler=source.filler, quality=quality)
     out.mkdir(parents=True, exist_ok=True)
     _sweep(out)
+    _rename_former(source, out, chunks, quality)
     _tell_of_changed_media(source, progress)
     audio = _make_sound(source, out, progress)
     missing = [chunk for chunk in chunks if not (out / chunk.name).is_file()]
@@ -108,6 +113,31 @@ def conform(
     if prune:
         _prune(source, out, quality, audio)
     return Conformed(out, chunks, audio, len(missing))
+
+
+def _files(source: ProgrammeSource) -> list[tuple[Path, str]]:
+    """The media that are there, with their keys in the EDL."""
+    files = [(source.base / media.path, media.fingerprint) for camera in source.edl.cameras for media in camera.media]
+    return [(path, key) for path, key in files if path.is_file()]
+
+
+def _rename_former(source: ProgrammeSource, out: Path, chunks: Sequence[Chunk], quality: Quality) -> None:
+    """Gives chunks made under content keys of the former kind the names of today's.
+
+    The former keys do not see every change: only where the chunk is younger than any change of the media.
+    """
+    missing = {chunk.range: chunk for chunk in chunks if not (out / chunk.name).exists()}
+    if not missing or not any(is_chunk(path.name) for path in out.iterdir()):
+        return
+    changed_s = max(newest_change_s(path) for path, _ in _files(source))
+    for former in plan_chunks(with_former_keys(source.edl), source.base, filler=source.filler, quality=quality):
+        lying = out / former.name
+        if former.range in missing and lying.is_file() and lying.stat().st_mtime > changed_s:
+            name = out / missing[former.range].name
+            try:
+                name.hardlink_to(lying)  # timelines that were built before still name the other
+            except OSError:
+                lying.rename(name)
 
 
 def _prune(source: ProgrammeSource, out: Path, quality: Quality, audio: Path | None) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from fractions import Fraction
 from pathlib import Path
 
@@ -10,9 +9,6 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
-from mcsl_core.errors import InputError
-
-_BLOCK = 1 << 20
 _COMMON = sorted(
     {Fraction(n) for n in (*range(1, 61), 72, 90, 100, 120, 144, 200, 240)}
     | {Fraction(n * 1000, 1001) for n in (24, 30, 48, 60, 120, 240)}
@@ -154,28 +150,3 @@ def is_variable(times: NDArray[np.float64]) -> bool:
     step = (times[-1] - times[0]) / (len(times) - 1)
     even = times[0] + step * np.arange(len(times))
     return bool(np.abs(times - even).max() > 0.5 * step)
-
-
-def fingerprint(path: str | Path) -> str:
-    """A content key that changes when the file does: of its size and its first, middle and last MiB.
-
-    Takes milliseconds however large the file is.
-
-    Raises
-    ------
-    InputError
-        Where it cannot be read.
-    """
-    path = Path(path)
-    try:
-        size = path.stat().st_size
-        digest = hashlib.sha256(str(size).encode())
-        with path.open("rb") as stream:
-            for start in sorted({0, max(0, (size - _BLOCK) // 2), max(0, size - _BLOCK)}):
-                stream.seek(start)
-                digest.update(stream.read(_BLOCK))
-    except OSError as error:
-        raise InputError(
-            f"cannot be read ({error.strerror})", where=str(path), remedy="Check the path and its permissions"
-        ) from error
-    return digest.hexdigest()[:32]

@@ -10,10 +10,11 @@ from pathlib import Path
 
 from mcsl_core.edl import Camera, Media
 from mcsl_core.errors import InputError, UsageError
-from mcsl_core.media.facts import fingerprint
+from mcsl_core.media.facts import MediaFacts
 from mcsl_core.media.probing import probe
 from mcsl_core.progress import Progress
 
+from .contents import read_contents
 from .discovery import discover
 
 
@@ -42,21 +43,23 @@ def open_cameras(recording: Sequence[Path], base: Path, progress: Progress) -> t
             remedy="Hand in the files of at least two cameras",
         )
     progress.stage("Opening the cameras", len(found), "cameras")
-    cameras = []
-    for done, (name, files) in enumerate(found, 1):
-        facts = [probe(path) for path in files]
-        if len({f.size for f in facts}) > 1:
+    facts: list[list[MediaFacts]] = []
+    for name, files in found:
+        facts.append([probe(path) for path in files])
+        if len({f.size for f in facts[-1]}) > 1:
             raise InputError(
-                "its files have different sizes: " + ", ".join(f"{w}x{h}" for w, h in (f.size for f in facts)),
+                "its files have different sizes: " + ", ".join(f"{w}x{h}" for w, h in (f.size for f in facts[-1])),
                 where=f"camera {name}",
                 remedy="Hand them in as different cameras, or convert them to one size",
             )
+        progress.advance(len(facts))
+    keys = iter(read_contents([(path, "") for _, files in found for path in files], progress))
+    cameras = []
+    for (name, files), known in zip(found, facts, strict=True):
         media = tuple(
-            Media(relative_path(path, base), fact.frames, fingerprint(path))
-            for path, fact in zip(files, facts, strict=True)
+            Media(relative_path(path, base), fact.frames, next(keys)) for path, fact in zip(files, known, strict=True)
         )
-        cameras.append(Camera(name, media, facts[0].size, facts[0].rate))
-        progress.advance(done)
+        cameras.append(Camera(name, media, known[0].size, known[0].rate))
     return tuple(cameras)
 
 

@@ -8,7 +8,7 @@ import pytest
 from coded_video import DATA, SIZE, write_coded
 
 from mcsl_core.errors import InputError, MediaError
-from mcsl_core.media.facts import fingerprint, is_variable, nominal_rate
+from mcsl_core.media.facts import is_variable, nominal_rate
 from mcsl_core.media.probing import probe
 from mcsl_core.recording.discovery import discover
 
@@ -107,23 +107,6 @@ def test_what_is_no_video_is_refused_with_a_remedy(tmp_path):
     assert caught.value.remedy
     with pytest.raises(MediaError):
         probe(tmp_path / "missing.mp4")
-
-
-def test_fingerprint_changes_with_head_middle_tail_and_size(tmp_path):
-    data = np.random.default_rng(0).integers(0, 256, 6 << 20, dtype=np.uint8).tobytes()
-    (tmp_path / "a").write_bytes(data)
-    first = fingerprint(tmp_path / "a")
-    seen = {first}
-    for at in (5, len(data) // 2, len(data) - 5):
-        (tmp_path / "a").write_bytes(data[:at] + bytes([data[at] ^ 1]) + data[at + 1 :])
-        seen.add(fingerprint(tmp_path / "a"))
-    (tmp_path / "a").write_bytes(data[:-1])
-    seen.add(fingerprint(tmp_path / "a"))
-    assert len(seen) == 5
-    (tmp_path / "b").write_bytes(data)
-    assert fingerprint(tmp_path / "b") == first
-    with pytest.raises(InputError):
-        fingerprint(tmp_path / "none")
 
 
 @needs_odd
