@@ -7,26 +7,75 @@ from pathlib import Path
 from typing import Any
 
 import av
-from av.error import FFmpegError
+from av.error import ArgumentError, FFmpegError, InvalidDataError
 from av.stream import Disposition
 
 from mcsl_core.errors import MediaError
 
 _RUNNING_CLOCKS = {"mpegts", "mpeg", "mpegtsraw", "asf", "rtp", "flv"}  # formats whose timestamps start anywhere
+# Containers and streams that hold their pictures and sound themselves. FFmpeg knows 300 more; among them are lists that
+# lead to other files or hosts (concat, hls, dash, sdp, imf), numbered pictures, and devices.
+_CONTAINERS = (
+    "mov,mp4,matroska,webm,avi,mpegts,mpegtsraw,mpeg,mxf,asf,flv,live_flv,dv,ogg,nut,gxf,wtv,rm,lxf,nsv,dhav,ifv"
+)
+_STREAMS = "ivf,mpegvideo,m4v,h263,h264,hevc,vvc,evc,av1,obu,vc1,mjpeg,yuv4mpegpipe,cavsvideo,dirac,dnxhd"
+_SOUNDS = "wav,w64,aac,ac3,eac3,mp3,flac,caf,aiff,au"
+_OPENED = {"protocol_whitelist": "file", "format_whitelist": f"{_CONTAINERS},{_STREAMS},{_SOUNDS}"}
+_LISTS = {
+    b"#EXTM3U": "a playlist (HLS)",
+    b"ffconcat": "a list of files (ffconcat)",
+    b"v=0": "a description of a network stream (SDP)",
+    b"<?xml": "a description in XML (such as DASH or IMF)",
+    b"<MPD": "a playlist (DASH)",
+    b"<ASX": "a playlist (ASX)",
+    b"[playlist]": "a playlist (PLS)",
+    b"[Reference]": "a playlist (ASF)",
+    b"RTSPtext": "a link to a network stream",
+    b"# mpv EDL": "a list of files (EDL)",
+}
 _STILLS = Disposition.attached_pic | Disposition.timed_thumbnails | Disposition.still_image
+
+
+def local_url(path: Path) -> str:
+    """What FFmpeg must be handed to take ``path`` for a local file, whatever its name holds.
+
+    A relative name with a colon is a protocol to it: a folder called ``http:``, or a recording of ``12:30:01.mp4``.
+    """
+    return f"file:{path.absolute()}"
 
 
 def open_file(path: Path) -> Any:
     """The container of a file, an `av` input container.
+
+    Only a local, regular file is opened, and nothing that it refers to: no playlist is followed, no network reached.
 
     Raises
     ------
     MediaError
         Where it cannot be opened.
     """
+    if path.exists() and not path.is_file() and not path.is_dir():
+        raise MediaError(
+            "is no regular file but a device, pipe or socket",
+            where=str(path),
+            remedy="Hand in the camera's video file",
+        )
     try:
-        return av.open(str(path), "r")
+        return av.open(local_url(path), "r", container_options=_OPENED)
     except FFmpegError as error:
+        refused = isinstance(error, ArgumentError | InvalidDataError)
+        if refused and (kind := _list_kind(path)):
+            raise MediaError(
+                f"is {kind}; what it leads to is not opened",
+                where=str(path),
+                remedy="Hand in the camera's video file itself",
+            ) from error
+        if isinstance(error, ArgumentError):
+            raise MediaError(
+                "is no video file of a kind that is opened",
+                where=str(path),
+                remedy="Convert it to MP4, MOV or MKV, or leave it out",
+            ) from error
         missing = isinstance(error, FileNotFoundError | PermissionError | IsADirectoryError)
         raise MediaError(
             f"cannot be opened as a video ({error.strerror})",
@@ -35,6 +84,16 @@ def open_file(path: Path) -> Any:
             if missing
             else "It may be cut short or no video: copy it again from the recorder, or leave it out",
         ) from error
+
+
+def _list_kind(path: Path) -> str | None:
+    """What a file is called that names other files in place of holding pictures; None where it is no such list."""
+    try:
+        with path.open("rb") as stream:
+            begin = stream.read(256).removeprefix(b"\xef\xbb\xbf").lstrip()
+    except OSError:
+        return None
+    return next((kind for mark, kind in _LISTS.items() if begin.lower().startswith(mark.lower())), None)
 
 
 def main_video(container: Any, path: Path) -> Any:

@@ -21,6 +21,7 @@ from mcsl_core.errors import InputError, MediaError, UsageError
 from mcsl_core.imaging.planes import U8, Planes, bgr_to_planes
 
 from .frames import BT709, LIMITED, frame_from_planes
+from .opening import local_url
 
 _FORMATS = {".mp4": "mp4", ".m4v": "mp4", ".mov": "mov", ".mkv": "matroska"}
 
@@ -146,7 +147,7 @@ class VideoWriter:
         options = {"fflags": "+bitexact"}  # no muxer version, no random ids
         if container_format != "matroska":
             options["movflags"] = "+faststart+write_colr"
-        self._container = av.open(str(self._part), "w", format=container_format, container_options=options)
+        self._container = av.open(local_url(self._part), "w", format=container_format, container_options=options)
         try:
             self._video = self._add_video()
             self._audio = self._add_audio() if self._audio_rate else None
