@@ -26,7 +26,7 @@ from typing import Any
 from attrs import frozen
 
 PICTURES = 3  # of an EDL and its media as the compositor makes them, but for what the filler adds
-SOUND = 1  # of an EDL and its media
+SOUND = 2  # of an EDL and its media
 
 _PACKAGE = __name__.partition(".")[0]
 _FACADE = f"{_PACKAGE}.hooks"  # what a plugin imports: names of other modules

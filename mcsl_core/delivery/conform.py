@@ -176,7 +176,9 @@ def _tell_of_changed_media(source: ProgrammeSource, progress: Progress) -> None:
 def _make_sound(source: ProgrammeSource, out: Path, progress: Progress) -> Path | None:
     edl, camera = source.edl, source.sound_camera
     footage = footage_of(edl, source.base, 1)
-    if not any(part.facts.has_audio for part in footage.parts(camera)):
+    for note in footage.sound_track(camera).notes:
+        progress.note(f"{camera}: {note}")
+    if not footage.has_sound(camera):
         progress.note(f"{camera} has no sound, so the programme has none")
         return None
     path = out / f"sound-{sound_key(edl, camera, media_fingerprints(edl.camera(camera), source.base))}.wav"

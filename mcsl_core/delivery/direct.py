@@ -58,8 +58,10 @@ def write_direct(
     piece = piece or FrameRange(0, edl.frames)
     size, camera = video.size or edl.size, source.sound_camera
     footage = footage_of(edl, source.base, threads=0)
-    audible = any(part.facts.has_audio for part in footage.parts(camera))
+    audible = footage.has_sound(camera)
     start_s, stop_s = (Fraction(frame) / edl.rate for frame in (piece.start, piece.stop))
+    for note in footage.sound_track(camera).notes:
+        progress.note(f"{camera}: {note}")
     progress.stage("Writing the programme", len(piece), "frames")
     sound = footage.audio_blocks(camera, start_s, stop_s, AUDIO_RATE, block_s=1.0)
     with (

@@ -9,6 +9,8 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
+from .tracks import AudioTrack
+
 _COMMON = sorted(
     {Fraction(n) for n in (*range(1, 61), 72, 90, 100, 120, 144, 200, 240)}
     | {Fraction(n * 1000, 1001) for n in (24, 30, 48, 60, 120, 240)}
@@ -51,10 +53,8 @@ class MediaFacts:
         Mean time from one keyframe to the next.
     codec, pixel_format
         FFmpeg's names.
-    audio_rate
-        Samples per second of the first audio track; None without audio.
-    audio_channels
-        0 without audio.
+    audio_tracks
+        The sound tracks in the file's order, with those that cannot be decoded.
     timecode
         SMPTE start timecode as the file writes it; None without.
     truncated
@@ -82,8 +82,7 @@ class MediaFacts:
     keyframe_interval_s: float
     codec: str
     pixel_format: str
-    audio_rate: int | None
-    audio_channels: int
+    audio_tracks: tuple[AudioTrack, ...]
     timecode: str | None
     truncated: bool
 
@@ -94,8 +93,8 @@ class MediaFacts:
 
     @property
     def has_audio(self) -> bool:
-        """Whether there is an audio track."""
-        return self.audio_rate is not None
+        """Whether there is an audio track that can be decoded."""
+        return any(track.can_be_decoded for track in self.audio_tracks)
 
     @property
     def tolerance_s(self) -> Fraction:

@@ -17,6 +17,7 @@ from mcsl_core.errors import MediaError
 
 from .facts import MediaFacts, displayed_size, is_variable, nominal_rate
 from .opening import main_video, open_file, time_origin_of, timestamp_of
+from .tracks import AudioTrack, audio_tracks
 
 log = logging.getLogger(__name__)
 
@@ -47,8 +48,7 @@ class _Header:
     rotation: int
     codec: str
     pixel_format: str
-    audio_rate: int | None
-    audio_channels: int
+    audio_tracks: tuple[AudioTrack, ...]
     timecode: str | None
 
 
@@ -120,8 +120,7 @@ def probe(path: str | Path) -> MediaFacts:
         keyframe_interval_s=float(span + 1 / rate) / max(1, packets.keyframes),
         codec=header.codec,
         pixel_format=header.pixel_format,
-        audio_rate=header.audio_rate,
-        audio_channels=header.audio_channels,
+        audio_tracks=header.audio_tracks,
         timecode=header.timecode,
         truncated=packets.truncated,
     )
@@ -131,7 +130,6 @@ def _read_header(path: Path) -> _Header:
     with open_file(path) as container:
         stream = main_video(container, path)
         zero = time_origin_of(container)
-        audio = next(iter(container.streams.audio), None)
         timecode = next((s.metadata["timecode"] for s in container.streams if "timecode" in s.metadata), None)
         promised = _promised_end(container, stream, zero)
         index = [_IndexEntry(e.timestamp, e.is_keyframe, e.pos + e.size) for e in stream.index_entries]
@@ -152,8 +150,7 @@ def _read_header(path: Path) -> _Header:
             rotation=round(first.rotation / 90) * 90 % 360,
             codec=stream.codec_context.name,
             pixel_format=first.format.name,
-            audio_rate=audio.sample_rate if audio is not None else None,
-            audio_channels=audio.channels if audio is not None else 0,
+            audio_tracks=audio_tracks(container),
             timecode=timecode or container.metadata.get("timecode"),
         )
 

@@ -13,6 +13,7 @@ from mcsl_core.edl import Camera
 from mcsl_core.media.audio import read_audio
 
 from .decoder import Part, exact_camera_time
+from .sound_track import sound_track
 
 Audio = NDArray[np.float32]
 _TAPS, _PHASES = 16, 512
@@ -95,14 +96,16 @@ class _AudioBuffer:
 
 
 def _blocks(parts: Sequence[Part], start: int, rate: int) -> Iterator[tuple[int, Audio]]:
+    heard = sound_track([part.facts for part in parts])
     for index, part in enumerate(parts):
-        if not part.facts.has_audio or part.end_s * rate < start:
+        track = heard.of(part.facts)
+        if track is None or part.end_s * rate < start:
             continue
         # A file's sound may run on past its last picture; the next file's takes over where that begins.
         end = int(parts[index + 1].begin_s * rate) if index + 1 < len(parts) else None
         from_s = max(Fraction(0), Fraction(start, rate) - part.begin_s)
-        for time_s, samples in read_audio(part.facts, from_s, rate):
-            at = round((part.begin_s + time_s) * rate)
+        for time_s, channels in read_audio(part.facts, track, from_s, rate):
+            at, samples = round((part.begin_s + time_s) * rate), heard.mixed(channels)
             if end is not None and at + len(samples) > end:
                 samples = samples[: max(0, end - at)]
             if len(samples):

@@ -28,6 +28,7 @@ from mcsl_core.timing import FrameRange
 
 from .audio import camera_audio
 from .decoder import DecodedFrame, Decoder, Part, exact_camera_time
+from .sound_track import SoundTrack, sound_track
 
 _MEDIANS, _KEYFRAMES = 16, 40  # pictures' worth of medians, and of what they are made from; 3 MB each at 1080p
 
@@ -218,6 +219,14 @@ class Footage:
     def picture(self, camera: str, shown: DecodedFrame, height: int | None) -> U8:
         """The BGR picture of a decoded frame of ``camera``, downscaled to ``height`` rows."""
         return planes_to_bgr(self.full_picture(camera, shown), height=height)
+
+    def has_sound(self, camera: str) -> bool:
+        """Whether any file of the camera has a sound track that can be decoded."""
+        return any(part.facts.has_audio for part in self.parts(camera))
+
+    def sound_track(self, camera: str) -> SoundTrack:
+        """Which of the camera's sound tracks is heard, and how its channels become one."""
+        return sound_track([part.facts for part in self.parts(camera)])
 
     def audio_blocks(
         self,

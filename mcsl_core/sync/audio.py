@@ -74,10 +74,6 @@ class _AudioMatcher:
         self._loudness: dict[tuple[str, float], Array] = {}
         self._windows: dict[tuple[str, float], NDArray[np.float32]] = {}
 
-    def has_audio(self, camera: str) -> bool:
-        """Whether any file of the camera has audio."""
-        return any(part.facts.has_audio for part in self._footage.parts(camera))
-
     def loudness(self, camera: str, limit_s: float) -> Array:
         """(3, n): `band_loudness` of the first ``limit_s`` seconds."""
         key = (camera, min(limit_s, length_s(self._footage, camera)))
@@ -88,7 +84,7 @@ class _AudioMatcher:
     def match(self, reference: str, camera: str) -> Clock:
         """The clock of ``camera`` against ``reference``; Refusal where it is not certain."""
         for name in (reference, camera):
-            if not self.has_audio(name):
+            if not self._footage.has_sound(name):
                 raise Refusal(f"{name} has no sound")
         longest = max(length_s(self._footage, reference), length_s(self._footage, camera))
         try:
@@ -183,6 +179,8 @@ def band_loudness(blocks: Iterable[NDArray]) -> Array:
         joined = np.concatenate([left, np.asarray(block, np.float64)])
         whole = len(joined) // HOP * HOP
         sound, left = joined[:whole], joined[whole:]
+        if not whole:  # a last block of under 10 ms
+            continue
         energies = []
         for index, sos in enumerate(filters):
             filtered: Any = signal.sosfilt(sos, sound, zi=states[index])

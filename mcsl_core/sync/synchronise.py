@@ -86,6 +86,10 @@ def synchronise(
     reference = reference or cameras[0].name
     plain = [attrs.evolve(camera, clock=Clock()) for camera in cameras]
     footage = Footage(plain, rate=Fraction(1), frames=1, base=Path(base))
+    if "audio" in METHODS[method]:
+        for camera in cameras:
+            for note in footage.sound_track(camera.name).notes:
+                progress.note(f"{camera.name}: {note}")
     clocks = _found(METHODS[method], footage, reference, progress)
     clocks |= _checked({n: c for n, c in clocks.items() if c.method == "timecode"}, footage, reference, progress)
     used = [name for name in _FINDERS if any(c.method == name for c in clocks.values())]

@@ -54,7 +54,8 @@ def test_sound_rotation_and_aspect(tmp_path):
         tmp_path / "a.mp4", range(30), sound=np.zeros(48000, np.float32), rotate=90, aspect=Fraction(4, 3)
     )
     facts = probe(path)
-    assert (facts.audio_rate, facts.audio_channels, facts.has_audio) == (48000, 1, True)
+    assert facts.has_audio
+    assert [(track.codec, track.rate, track.channels) for track in facts.audio_tracks] == [("aac", 48000, 1)]
     assert facts.coded_size == SIZE
     assert facts.rotation == 90
     assert facts.size == (144, 342)  # 256 * 4/3 = 341.3, then upright
