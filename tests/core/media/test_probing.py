@@ -114,8 +114,8 @@ def test_what_is_no_video_is_refused_with_a_remedy(tmp_path):
 @pytest.mark.parametrize(
     ("name", "expected"),
     [
-        ("SAR-2by3.mp4", {"size": (426, 360), "rate": 30, "frames": 60, "audio_rate": 44100}),
-        ("counter.mp4", {"size": (1920, 1080), "rate": 10, "frames": 30, "audio_rate": None}),
+        ("SAR-2by3.mp4", {"size": (426, 360), "rate": 30, "frames": 60, "has_audio": True}),
+        ("counter.mp4", {"size": (1920, 1080), "rate": 10, "frames": 30, "has_audio": False}),
         ("delayed_start.mp4", {"size": (480, 320), "rate": 25, "frames": 24, "start_s": Fraction(43, 40)}),
         ("h264-png.mp4", {"size": (640, 360), "codec": "h264", "frames": 60}),
         ("test_yuv422p.mp4", {"pixel_format": "yuv422p", "frames": 60}),
