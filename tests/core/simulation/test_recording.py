@@ -37,7 +37,8 @@ def luma(file: Path) -> list[np.ndarray]:
 
 
 def sound(file: Path) -> np.ndarray:
-    blocks = [block.ravel() for _, block in read_audio(probe(file), Fraction(0), 48000)]
+    facts = probe(file)
+    blocks = [block.ravel() for _, block in read_audio(facts, facts.audio_tracks[0], Fraction(0), 48000)]
     return np.concatenate(blocks)
 
 
