@@ -59,11 +59,15 @@ class MediaFacts:
         SMPTE start timecode as the file writes it; None without.
     truncated
         Whether the file was cut short.
+    decoding_order
+        Whether its timestamps are in the order of decoding though pictures are shown in another (H.264 in AVI): then
+        the n-th picture shown has the n-th smallest of them.
 
     Notes
     -----
-    A file's own time 0 is timestamp 0, except in transport and programme streams (MPEG-TS and the like), whose clocks
-    start anywhere: there it is the earliest timestamp of the file.
+    A file's own time 0 is timestamp 0, except where the clock starts anywhere: in transport and programme streams
+    (MPEG-TS and the like), in files that begin later than 10 s, and where all streams were shifted by two pictures at
+    most, which muxers do for reordered ones. There it is the earliest timestamp of the file.
     """
 
     path: Path
@@ -85,6 +89,7 @@ class MediaFacts:
     audio_tracks: tuple[AudioTrack, ...]
     timecode: str | None
     truncated: bool
+    decoding_order: bool = False
 
     @property
     def duration_s(self) -> float:

@@ -8,6 +8,7 @@ from typing import Any
 
 import av
 from av.error import ArgumentError, FFmpegError, InvalidDataError
+from av.format import Flags
 from av.stream import Disposition
 
 from mcsl_core.errors import MediaError
@@ -33,6 +34,7 @@ _LISTS = {
     b"RTSPtext": "a link to a network stream",
     b"# mpv EDL": "a list of files (EDL)",
 }
+_LATEST_START_S = 10  # what starts later is no late start: its clock went on from an earlier file, or from midnight
 _STILLS = Disposition.attached_pic | Disposition.timed_thumbnails | Disposition.still_image
 
 
@@ -112,10 +114,24 @@ def main_video(container: Any, path: Path) -> Any:
 
 def time_origin_of(container: Any) -> Fraction:
     """The timestamp in seconds at which the file's own time is 0 (see `MediaFacts`)."""
-    if not _RUNNING_CLOCKS & set(container.format.name.split(",")):
-        return Fraction(0)
-    streams = [*container.streams.video, *container.streams.audio]
-    return min((s.start_time * s.time_base for s in streams if s.start_time is not None), default=Fraction(0))
+    streams = [s for s in (*container.streams.video, *container.streams.audio) if s.start_time is not None]
+    earliest = min((s.start_time * s.time_base for s in streams), default=Fraction(0))
+    if _RUNNING_CLOCKS & set(container.format.name.split(",")) or earliest > _LATEST_START_S:
+        return earliest
+    # Muxers without negative timestamps shift all streams by the delay of reordered pictures, two of them at most.
+    rates = [s.guessed_rate for s in container.streams.video if s.guessed_rate]
+    return earliest if rates and 0 < earliest <= 2 / min(rates) else Fraction(0)
+
+
+def refuse_raw(container: Any, path: Path) -> None:
+    """MediaError for a raw stream: its pictures have no timestamps, and it cannot be seeked in."""
+    if container.format.flags & Flags.no_timestamps.value:
+        raise MediaError(
+            f"is a raw {container.format.name} stream, whose pictures have no timestamps",
+            where=str(path),
+            remedy=f"Put it into a container with its rate, for example: mkvmerge -o {path.stem}.mkv "
+            f"--default-duration 0:25fps {path.name}",
+        )
 
 
 def timestamp_of(item: Any) -> int | None:

@@ -15,14 +15,16 @@ from av.error import FFmpegError
 
 from mcsl_core.errors import MediaError
 
-from .facts import MediaFacts, displayed_size, is_variable, nominal_rate
-from .opening import main_video, open_file, time_origin_of, timestamp_of
+from .facts import MediaFacts, displayed_size, is_variable
+from .opening import main_video, open_file, refuse_raw, time_origin_of, timestamp_of
+from .timestamps import frame_rate
 from .tracks import AudioTrack, audio_tracks
 
 log = logging.getLogger(__name__)
 
 _WHOLE_BYTES = 64 << 20  # a file without an index is scanned whole up to this size (0.1 s), else at its ends
 _HEAD_PACKETS = 600
+_REORDER_PACKETS = 64  # so many tell whether pictures are reordered: groups of B-frames are of 16 at most
 
 
 @frozen
@@ -50,6 +52,7 @@ class _Header:
     pixel_format: str
     audio_tracks: tuple[AudioTrack, ...]
     timecode: str | None
+    decoding_order: bool
 
 
 @frozen(kw_only=True)
@@ -97,9 +100,7 @@ def probe(path: str | Path) -> MediaFacts:
     stamps, tick = packets.stamps, header.tick
     times = np.sort(np.array(stamps, np.float64)) * float(tick)
     span = Fraction(max(stamps) - min(stamps)) * tick if len(stamps) > 1 else Fraction(0)
-    measured = (len(stamps) - 1) / span if span else Fraction(header.declared_rate or 25)
-    variable = is_variable(times)
-    rate = nominal_rate(Fraction(header.declared_rate) if header.declared_rate and variable else measured)
+    rate = frame_rate(stamps, tick, header.declared_rate)
     end = header.promised_end_s if packets.truncated else None
     end = end or packets.end_s or header.promised_end_s or header.start_s + len(stamps) / rate
     frames = round((end - header.start_s) * rate) if packets.frames is None else packets.frames
@@ -116,18 +117,20 @@ def probe(path: str | Path) -> MediaFacts:
         end_s=end,
         usable_s=end if packets.usable_s is None else min(packets.usable_s, end),
         tick_s=tick,
-        variable_rate=variable,
+        variable_rate=is_variable(times),
         keyframe_interval_s=float(span + 1 / rate) / max(1, packets.keyframes),
         codec=header.codec,
         pixel_format=header.pixel_format,
         audio_tracks=header.audio_tracks,
         timecode=header.timecode,
         truncated=packets.truncated,
+        decoding_order=header.decoding_order,
     )
 
 
 def _read_header(path: Path) -> _Header:
     with open_file(path) as container:
+        refuse_raw(container, path)
         stream = main_video(container, path)
         zero = time_origin_of(container)
         timecode = next((s.metadata["timecode"] for s in container.streams if "timecode" in s.metadata), None)
@@ -152,6 +155,7 @@ def _read_header(path: Path) -> _Header:
             pixel_format=first.format.name,
             audio_tracks=audio_tracks(container),
             timecode=timecode or container.metadata.get("timecode"),
+            decoding_order=stream.codec_context.has_b_frames and _in_decoding_order(path),
         )
 
 
@@ -195,10 +199,11 @@ def _promised_end(container: Any, stream: Any, zero: Fraction) -> Fraction | Non
         return ((stream.start_time or 0) + stream.duration) * stream.time_base - zero
     tag = next((v for k, v in stream.metadata.items() if k.upper().startswith("DURATION")), "")
     parts = tag.split(":")
-    if len(parts) == 3:
-        return int(parts[0]) * 3600 + int(parts[1]) * 60 + Fraction(parts[2])
+    if len(parts) == 3:  # Matroska's durations are ends, whenever the file begins
+        return int(parts[0]) * 3600 + int(parts[1]) * 60 + Fraction(parts[2]) - zero
     if container.duration and not container.streams.audio:  # with sound, it may be the sound's
-        return Fraction((container.start_time or 0) + container.duration, av.time_base) - zero
+        begin = 0 if "matroska" in container.format.name else container.start_time or 0
+        return Fraction(begin + container.duration, av.time_base) - zero
     return None
 
 
@@ -220,6 +225,27 @@ def _first_picture(container: Any, stream: Any, path: Path) -> Any:
     )
 
 
+def _in_decoding_order(path: Path) -> bool:
+    """Whether pictures that are shown in another order than decoded have timestamps that rise as they are decoded."""
+    with open_file(path) as container:
+        stream = main_video(container, path)
+        stamps: list[int] = []
+        shown: list[int] = []
+        try:
+            for packet in itertools.islice(container.demux(stream), _REORDER_PACKETS):
+                if packet.size:
+                    packet.pts = timestamp_of(packet)  # a frame keeps its own packet's
+                    stamps.append(packet.pts if packet.pts is not None else 0)
+                if stamps != sorted(stamps):
+                    return False
+                shown += [frame.pts for frame in packet.decode() if frame.pts is not None]
+                if shown != sorted(shown):
+                    return True
+        except FFmpegError:
+            return False
+    return False
+
+
 def _scan(path: Path, most: int | None) -> tuple[list[int], int, Fraction | None]:
     """Timestamps of the first ``most`` packets (all when None), the keyframes among them, the end as a timestamp."""
     with open_file(path) as container:
@@ -239,15 +265,19 @@ def _end(path: Path, ticks: int, *, any_frame: bool) -> Fraction | None:
 
 
 def _packets(container: Any, stream: Any, most: int | None) -> tuple[list[int], int, Fraction | None]:
-    stamps, keys, end = [], 0, None
+    stamps, keys, last = [], 0, None
     try:
         for packet in itertools.islice(container.demux(stream), most):
             stamp = timestamp_of(packet)
             if stamp is not None and packet.size:
                 stamps.append(stamp)
                 keys += packet.is_keyframe
-                last = stamp + (packet.duration or 0)
-                end = last if end is None else max(end, last)
+                last = max(last or (stamp, 0), (stamp, packet.duration or 0))
     except FFmpegError as error:
         log.warning("%s: reading its packets ended early (%s)", container.name, error.strerror)
-    return stamps, keys, None if end is None else end * stream.time_base
+    if last is None:
+        return stamps, keys, None
+    rising = sorted(stamps)
+    # A parser gives the last picture no duration where one was lost before it.
+    lasts = last[1] or min((b - a for a, b in zip(rising, rising[1:], strict=False) if b > a), default=0)
+    return stamps, keys, (last[0] + lasts) * stream.time_base

@@ -12,6 +12,7 @@ from av.error import FFmpegError
 
 from .facts import MediaFacts
 from .opening import main_video, open_file, timestamp_of
+from .reordering import ShownOrder
 
 log = logging.getLogger(__name__)
 
@@ -40,7 +41,8 @@ class VideoReader:
     """
 
     def __init__(self, facts: MediaFacts, *, threads: int = 0, skip: str = "") -> None:
-        self.facts, self._threads, self._skip = facts, threads, skip
+        self.facts, self._threads = facts, threads
+        self._skip = "" if facts.decoding_order else skip  # what is left out could not be counted
         self._keys: list[int] = []
         self._reopen()
 
@@ -105,6 +107,7 @@ class VideoReader:
         return True
 
     def _decoded(self) -> Iterator[tuple[Fraction, Any]]:
+        order = ShownOrder(from_start=self._fresh) if self.facts.decoding_order else None
         self._fresh = False
         tick, zero, name = self._stream.time_base, self.facts.zero_s, self.facts.path.name
         damaged = 0
@@ -112,6 +115,8 @@ class VideoReader:
         while True:
             try:
                 packet = next(packets, None)
+                if packet is not None and order is not None:
+                    order.feed(packet)
                 frames = packet.decode() if packet is not None else []
             except FFmpegError as error:
                 damaged += 1
@@ -123,7 +128,7 @@ class VideoReader:
             if packet is None:
                 return
             for frame in frames:
-                stamp = timestamp_of(frame)
+                stamp = timestamp_of(frame) if order is None else order.stamp(frame)
                 if stamp is not None:
                     yield stamp * tick - zero, frame
 
@@ -150,8 +155,11 @@ class VideoReader:
         Returns
         -------
         tuple or None
-            The keyframe's time on the file's own time, and the frame; None where none can be decoded.
+            The keyframe's time on the file's own time, and the frame; None where none can be decoded, and where its
+            time is known only after those around it.
         """
+        if self.facts.decoding_order:
+            return None
         tick = self._stream.time_base
         target = int((near_s + self.facts.zero_s) / tick)
         keys = self._keyframe_stamps()

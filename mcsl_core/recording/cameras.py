@@ -16,6 +16,7 @@ from mcsl_core.progress import Progress
 
 from .contents import read_contents
 from .discovery import discover
+from .joining import describe_joins, joined
 
 
 def open_cameras(recording: Sequence[Path], base: Path, progress: Progress) -> tuple[Camera, ...]:
@@ -59,6 +60,8 @@ def open_cameras(recording: Sequence[Path], base: Path, progress: Progress) -> t
         media = tuple(
             Media(relative_path(path, base), fact.frames, next(keys)) for path, fact in zip(files, known, strict=True)
         )
+        for note in describe_joins(name, joined(known)):
+            progress.note(note)
         cameras.append(Camera(name, media, known[0].size, known[0].rate))
     return tuple(cameras)
 

@@ -136,9 +136,16 @@ class Decoder:
 
 
 def part_at(parts: Sequence[Part], camera_s: Fraction) -> Part | None:
-    """The file of ``camera_s``, the camera's own time: the last that has begun. None before the first."""
-    begun = [part for part in parts if part.begin_s <= camera_s + part.facts.tolerance_s]
-    return begun[-1] if begun else None
+    """The file of ``camera_s``, the camera's own time: the last whose first picture has come. None before the first.
+
+    Sound may lead in a file, so that its own time 0 lies before the end of the file before.
+    """
+    begun = sum(part.begin_s + part.facts.start_s <= camera_s + part.facts.tolerance_s for part in parts)
+    # A first picture that is late by rounding stands from the beginning, where nothing else does any more.
+    ended = begun == 0 or parts[begun - 1].file_time(camera_s) is None
+    if ended and begun < len(parts) and parts[begun].begin_s <= camera_s + parts[begun].facts.tolerance_s:
+        return parts[begun]
+    return parts[begun - 1] if begun else None
 
 
 def exact_camera_time(camera: Camera, programme_s: Fraction) -> Fraction:

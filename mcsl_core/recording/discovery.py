@@ -12,6 +12,18 @@ from mcsl_core.media.probing import probe
 SUFFIXES = frozenset(
     {".mp4", ".mov", ".m4v", ".mkv", ".avi", ".mts", ".m2ts", ".ts", ".mpg", ".mpeg", ".mxf", ".webm", ".wmv"}
     | {".flv", ".3gp", ".vob", ".dv", ".ogv"}
+    | {
+        ".h264",
+        ".264",
+        ".avc",
+        ".h265",
+        ".265",
+        ".hevc",
+        ".m2v",
+        ".m1v",
+        ".mjpeg",
+        ".obu",
+    }  # refused by name, not passed over
 )
 _PART = re.compile(r"(.+)[_-]\d{3}", re.DOTALL)  # four digits and more are names: GOPR_0001, a date
 

@@ -1,7 +1,7 @@
 """Footage: the cameras' pictures and audio on the programme clock.
 
 Programme frame n stands at n / rate seconds; a camera's own time is its clock's `camera_time` of that. A camera's
-files follow each other: a file begins where the one before it ends (the end of its last picture). Inside a file
+files follow each other as `joining` says: by their clock, or where the one before ends. Inside a file
 presentation timestamps are the authority: the picture shown is the latest whose timestamp has come, so that a file of
 variable rate, a remuxed one and one with dropped frames are all in time. Before a file's first timestamp
 (a late start), beyond the end, where a file was cut short and in the camera's gaps there is no picture: None. A start
@@ -28,6 +28,7 @@ from mcsl_core.timing import FrameRange
 
 from .audio import camera_audio
 from .decoder import DecodedFrame, Decoder, Part, exact_camera_time
+from .joining import joined
 from .sound_track import SoundTrack, sound_track
 
 _MEDIANS, _KEYFRAMES = 16, 40  # pictures' worth of medians, and of what they are made from; 3 MB each at 1080p
@@ -109,12 +110,8 @@ class Footage:
     def parts(self, camera: str) -> tuple[Part, ...]:
         """The camera's files and where they begin in its own time. Probed at the first call, then kept."""
         if camera not in self._parts:
-            parts, begin = [], Fraction(0)
-            for media in self.camera(camera).media:
-                facts = probe(self.base / media.path)
-                parts.append(Part(facts, begin))
-                begin += facts.end_s
-            self._parts[camera] = tuple(parts)
+            media = self.camera(camera).media
+            self._parts[camera] = joined([probe(self.base / one.path) for one in media])
         return self._parts[camera]
 
     def camera_time(self, camera: str, frame: int) -> Fraction:

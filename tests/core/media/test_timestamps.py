@@ -1,0 +1,89 @@
+"""The rate of a file's pictures from its timestamps: lost pictures, absurd declarations, jitter."""
+
+from fractions import Fraction
+
+import av
+import numpy as np
+import pytest
+from coded_video import DATA, write_coded
+
+from mcsl_core.errors import MediaError
+from mcsl_core.media.probing import probe
+from mcsl_core.media.timestamps import frame_rate
+
+NTSC = Fraction(30000, 1001)
+MS = Fraction(1, 1000)
+
+
+@pytest.mark.parametrize("suffix", [".mp4", ".mkv", ".ts"])
+@pytest.mark.parametrize("lost", [{7}, {40}, {1}, {5, 6, 7, 30}, set(range(20, 34)), {2, 10, 18, 26, 34, 42}])
+def test_lost_pictures_do_not_change_the_rate(tmp_path, suffix, lost):
+    kept = [n for n in range(50) if n not in lost]
+    stamps = [n * 1001 for n in kept]
+    path = write_coded(tmp_path / f"a{suffix}", kept, rate=NTSC, stamps=stamps, time_base=Fraction(1, 30000))
+    facts = probe(path)
+    assert facts.rate == NTSC
+    assert facts.duration_s == pytest.approx(50 / NTSC, abs=2e-3)
+
+
+@pytest.mark.parametrize("declared", [None, Fraction(1000), Fraction(90000), Fraction(0), Fraction(1, 90000)])
+@pytest.mark.parametrize("rate", [Fraction(25), NTSC, Fraction(30), Fraction(60), Fraction(15), Fraction(240)])
+def test_an_absurd_declaration_is_not_believed(declared, rate):
+    tick = Fraction(1, 90000)
+    assert frame_rate([round(n / rate / tick) for n in range(200)], tick, declared) == rate
+
+
+def test_jitter_without_a_declared_rate_gives_the_usual_one_nearest_to_the_mean():
+    rng = np.random.default_rng(2)
+    for mean_ms, rate in ((39.1, 25), (40.4, 25), (33, 30), (16.9, Fraction(60000, 1001)), (66, 15)):
+        stamps = np.cumsum(rng.choice([0.7, 1.0, 1.25, 1.05], 4000) * mean_ms).astype(int).tolist()
+        for declared in (None, Fraction(1000)):
+            assert frame_rate(stamps, MS, declared) == rate, (mean_ms, declared)
+
+
+def test_what_timestamps_leave_open_the_headers_say():
+    stamps = [round(n * 1001 / 30) for n in range(30)]
+    assert frame_rate(stamps, MS, NTSC) == NTSC
+    phone = np.cumsum(np.random.default_rng(1).integers(20, 70, 60)).tolist()
+    assert frame_rate(phone, MS, Fraction(30)) == 30
+    assert frame_rate([0], MS, NTSC) == NTSC
+    assert frame_rate([], MS, Fraction(1000)) == 25
+    assert frame_rate([5, 5, 5], MS, None) == 25
+    fast = [n * 2 for n in range(500)]  # 500 a second, really
+    assert frame_rate(fast, MS, Fraction(500)) == 500
+
+
+def test_a_file_of_one_picture_is_read(tmp_path):
+    one = probe(write_coded(tmp_path / "one.mp4", [7]))
+    assert (one.frames, one.rate) == (1, 30)
+    assert one.duration_s == pytest.approx(1 / 30, abs=1e-3)
+
+
+def test_a_browser_s_recording_states_no_rate():
+    path = DATA / "faults" / "webm-1000-fps" / "cam1.webm"
+    if not path.is_file():
+        pytest.skip("the folder ../shared/data/faults/webm-1000-fps is not here")
+    facts = probe(path)
+    assert facts.rate == 25
+    assert 285 <= facts.duration_s * facts.rate <= 300
+
+
+@pytest.mark.parametrize(
+    ("suffix", "codec", "options"),
+    [
+        (".h264", "libx264", {"preset": "ultrafast"}),
+        (".hevc", "libx265", {"x265-params": "log-level=none"}),
+        (".m2v", "mpeg2video", {}),
+    ],
+)
+def test_raw_streams_are_refused_by_name_with_a_remedy(tmp_path, suffix, codec, options):
+    path = write_coded(tmp_path / f"cam1{suffix}", range(20), codec=codec, options=options)
+    with pytest.raises(MediaError, match="no timestamps") as caught:
+        probe(path)
+    assert caught.value.where == str(path)
+    assert f"cam1{suffix}" in caught.value.remedy
+    renamed = path.rename(tmp_path / "cam1.mpg")  # what it is counts, not what it is called
+    with av.open(str(renamed)) as container:
+        assert container.format.name in ("h264", "hevc", "mpegvideo")
+    with pytest.raises(MediaError, match="no timestamps"):
+        probe(renamed)
