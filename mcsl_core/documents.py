@@ -11,6 +11,7 @@ import math
 import os
 import re
 import secrets
+import sys
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from numbers import Integral, Real
@@ -29,9 +30,12 @@ from cattrs.errors import (
 from cattrs.gen import make_dict_structure_fn, make_dict_unstructure_fn, override
 
 from mcsl_core.errors import DocumentError, Fault, InputError, McslError
+from mcsl_core.input_files import read_text
+from mcsl_core.json_text import parse_json
 from mcsl_core.timing import FrameRange, format_rate, parse_rate
 
 T = TypeVar("T")
+_UNKNOWN = "unknown key"
 
 # -------------------------------------------------------------------------------------------- describing fields
 
@@ -50,8 +54,8 @@ class Bounds:
 
     def __str__(self) -> str:
         if math.isinf(self.high):
-            return "finite" if math.isinf(self.low) else f"{self.low:g} or more"
-        return f"{self.low:g} to {self.high:g}"
+            return "finite" if math.isinf(self.low) else f"{self.low} or more"
+        return f"{self.low} to {self.high}"
 
     def __call__(self, _instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
         self.check(value, f".{attribute.name}")
@@ -69,12 +73,26 @@ class Bounds:
 
 
 @attrs.frozen
+class AtMost:
+    """Validator: a tuple of at most so many things."""
+
+    count: int
+
+    def __call__(self, _instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
+        if len(value) > self.count:
+            raise Fault(f"holds {len(value)}, at most {self.count} are taken", f".{attribute.name}")
+
+
+@attrs.frozen
 class NotEmpty:
-    """Validator: a text, tuple or mapping with something in it."""
+    """Validator: a text, tuple or mapping with something in it, but no more than ``most``."""
+
+    most: int = sys.maxsize
 
     def __call__(self, _instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
         if not value:
             raise Fault("must not be empty", f".{attribute.name}")
+        AtMost(self.most)(_instance, attribute, value)
 
 
 def key_path(name: str) -> str:
@@ -120,7 +138,10 @@ def _exact(value: Any, kind: type, words: str) -> Any:
 
 
 def _whole(value: Any) -> int:
-    return _exact(value, int, "a whole number")
+    number = _exact(value, int, "a whole number")
+    if abs(number) >= 1 << 63:
+        raise Fault(f"expected a whole number of at most 18 digits, got {_short(value)}")
+    return number
 
 
 def _number(value: Any) -> float:
@@ -221,7 +242,7 @@ def describe_faults(error: BaseException, path: str = "$") -> list[tuple[str, st
         found = [describe_faults(e, path + step) for (e, _), step in zip(noted, steps, strict=True)]
     elif isinstance(error, ForbiddenExtraKeysError):
         known = ", ".join(f.name for f in attrs.fields(cast(Any, error.cl)))
-        return [(path + key_path(k), f"unknown key, expected one of {known}") for k in sorted(error.extra_fields)]
+        return [(path + key_path(k), f"{_UNKNOWN}, expected one of {known}") for k in sorted(error.extra_fields)]
     elif isinstance(error, KeyError):
         return [(path, "is missing")]
     elif isinstance(error, Fault):
@@ -239,7 +260,8 @@ def structure_document(value: Any, kind: type[T], converter: cattrs.Converter, *
     try:
         return converter.structure(value, kind)
     except (cattrs.BaseValidationError, ValueError, TypeError) as error:
-        (path, what), *others = describe_faults(error)
+        # A name that is not known comes first: what it stands for is often what is missing.
+        (path, what), *others = sorted(describe_faults(error), key=lambda fault: not fault[1].startswith(_UNKNOWN))
         more = f" (and {len(others)} more faults)" if len(others) > 1 else " (and 1 more fault)" if others else ""
         spot = f"{where} at {path}" if where else path
         raise DocumentError(what + more, where=spot, remedy=f"Correct the value; docs/ describes {name}") from error
@@ -248,44 +270,12 @@ def structure_document(value: Any, kind: type[T], converter: cattrs.Converter, *
 # ------------------------------------------------------------------------------------------- text and files
 
 
-def parse_json(text: str, *, where: str) -> Any:
-    """The JSON value of a text; DocumentError where it is none, or one with two values under one key, or NaN."""
+def read_json(path: Path, *, wanted: str = "a JSON document", remedy: str = "") -> Any:
+    """The JSON value of a UTF-8 file.
 
-    def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        value = dict(pairs)
-        if len(value) != len(pairs):
-            names = [name for name, _ in pairs]
-            twice = next(name for name in names if names.count(name) > 1)
-            raise ValueError(f"the key {twice!r} stands twice in one object")
-        return value
-
-    def no_constant(name: str) -> Any:
-        raise ValueError(f"{name} is not a number")
-
-    remedy = "The file may be cut short; restore it or make it again"
-    try:
-        return json.loads(text, object_pairs_hook=once, parse_constant=no_constant)
-    except json.JSONDecodeError as error:
-        spot = f"line {error.lineno}, column {error.colno}"
-        raise DocumentError(
-            f"is not JSON: {error.msg}", where=f"{where}, {spot}" if where else spot, remedy=remedy
-        ) from error
-    except (ValueError, RecursionError) as error:
-        what = "is nested too deeply" if isinstance(error, RecursionError) else f"is refused: {error}"
-        raise DocumentError(what, where=where, remedy="Correct the file or make it again") from error
-
-
-def read_json(path: Path) -> Any:
-    """The JSON value of a UTF-8 file; InputError where it is missing, DocumentError where it is not JSON."""
-    try:
-        text = path.read_text("utf-8-sig")  # some editors put a byte order mark before the text
-    except OSError as error:
-        raise InputError(
-            f"cannot be read ({error.strerror})", where=str(path), remedy="Check the path and its permissions"
-        ) from error
-    except UnicodeDecodeError as error:
-        raise DocumentError("is not UTF-8 text", where=str(path), remedy="Save it as UTF-8") from error
-    return parse_json(text, where=str(path))
+    InputError where there is none, DocumentError where it is not JSON; ``wanted`` and ``remedy`` as in `read_text`.
+    """
+    return parse_json(read_text(path, wanted=wanted, remedy=remedy), where=str(path))
 
 
 def canonical_json(value: Any) -> str:

@@ -14,6 +14,7 @@ from mcsl_core.errors import Fault
 
 T = TypeVar("T")
 
+LEAST_RATE, MOST_RATE = Fraction(1, 100), 1000  # frames per second: a picture each 100 s, a high-speed camera
 RATE_PATTERN = r"[0-9]{1,9}(/[0-9]{1,9}|\.[0-9]{1,9})?"
 
 
@@ -32,7 +33,14 @@ def parse_rate(text: str) -> Fraction:
         raise ValueError(f"expected a rate such as '30000/1001' or '25', got {text!r}") from None
     if rate <= 0:
         raise ValueError(f"a rate must be positive, got {text!r}")
+    check_rate(rate)
     return rate
+
+
+def check_rate(rate: Fraction) -> None:
+    """`Fault` unless ``rate`` is one that a camera or a programme may have."""
+    if not LEAST_RATE <= rate <= MOST_RATE:
+        raise Fault(f"a rate must lie in {float(LEAST_RATE):g} to {MOST_RATE} frames/s, got {rate}")
 
 
 def format_rate(rate: Fraction) -> str:

@@ -7,14 +7,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import attrs
 
 from mcsl_core import __version__, edl
 from mcsl_core.alignment.pose_solver import PoseSolver
 from mcsl_core.alignment.poses import solve_poses
-from mcsl_core.centering.gaze import read_gaze
-from mcsl_core.centering.positions import field_positions, gaze_positions
+from mcsl_core.centering.gaze_files import GazeFile, Shown, read_gaze
+from mcsl_core.centering.positions import field_positions, gaze_positions, looks_unplaced
+from mcsl_core.centering.protocol import FieldPosition
 from mcsl_core.edl.edits import carry_over
 from mcsl_core.errors import UsageError
 from mcsl_core.hooks.registry import Offer, Plugins
@@ -49,7 +51,9 @@ def analyse(
     out.parent.mkdir(parents=True, exist_ok=True)  # media paths lead through it
     rate = settings.rate or reference.rate
     frames = programme_length(reference, out.parent, rate)
-    gaze = read_gaze(settings.gaze, rate=float(rate), cameras=[camera.name for camera in cameras])
+    sizes = {camera.name: camera.size for camera in cameras}
+    shown = Shown(float(rate), frames, reference.size, sizes)
+    gaze = [read_gaze(path, shown) for path in settings.gaze]
     cache = StageCache(cache_folder(out) if settings.cache else None, progress)
     keys = stage_keys(cameras, reference.name, rate, frames, settings, chosen)
     watch = Watch(float(frames / rate), progress.note)
@@ -64,7 +68,6 @@ def analyse(
         samples = Deferred(opened.enter_context, _samples(footage, cache, keys.samples, settings.sample_s, progress))
         detection = cache.remember(MOVEMENTS, keys.movements, by["movement"].detect, samples, footage, progress)
         movements = detection.movements
-        sizes = {camera.name: camera.size for camera in cameras}
         solver = PoseSolver(sizes, reference.name, by["matcher"], by["aligner"], settings.solve)
         solved = cache.remember(POSES, keys.poses, solve_poses, solver, samples, movements, frames, progress)
         segments = Deferred(scoring_segments, samples, solved, movements, by["occlusion"])
@@ -83,10 +86,10 @@ def analyse(
         poses=tuple(pose.pose for pose in solved),
         shots=with_switches_at(shots, cuts),
         scores=f"{out.stem}.scores.npz",
-        made_by=_made_by(settings, chosen),
+        made_by=_made_by(settings, chosen, gaze),
     )
     made = made if before is None else carry_over(before, made)
-    positions = gaze_positions(gaze, made) if settings.gaze else field_positions(solved, made.size)
+    positions = _gazed_at(gaze, made, progress) if gaze else field_positions(solved, made.size)
     made = attrs.evolve(made, centering=by["centerer"].centre(positions, size=made.size, rate=float(rate)))
     Measurements(table, detection.curve).save(out.with_name(f"{out.stem}.scores.npz"))
     edl.save(made, out)
@@ -127,7 +130,23 @@ def _samples(footage: Footage, cache: StageCache, key: str, step_s: float, progr
             yield samples
 
 
-def _made_by(settings: AnalysisSettings, chosen: Mapping[str, Offer]) -> edl.MadeBy:
+def _gazed_at(files: Sequence[GazeFile], made: edl.Edl, progress: Progress) -> list[FieldPosition]:
+    """What viewers looked at; how many of their looks that rests on is told of each file."""
+    for file in files:
+        progress.note(f"{file.path}: {file}")
+    looks = [look for file in files for look in file.looks]
+    if unplaced := looks_unplaced(looks, made):
+        progress.note(f"{unplaced} of {len(looks)} looks are at cameras whose place in the programme is not known then")
+    return gaze_positions(looks, made)
+
+
+def _made_by(settings: AnalysisSettings, chosen: Mapping[str, Offer], gaze: Sequence[GazeFile]) -> edl.MadeBy:
     """The settings as the EDL keeps them; which plugin did which stage stands beside them."""
-    kept = {"sync": settings.sync, "sample_s": settings.sample_s, "solve": attrs.asdict(settings.solve)}
+    kept: dict[str, Any] = {
+        "sync": settings.sync,
+        "sample_s": settings.sample_s,
+        "solve": attrs.asdict(settings.solve),
+    }
+    if gaze:
+        kept["gaze"] = [{"file": f.path.name, "samples": f.samples, "used": len(f.looks)} for f in gaze]
     return edl.MadeBy(__version__, kept, {stage: str(offer) for stage, offer in chosen.items()})

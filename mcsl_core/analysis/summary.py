@@ -8,6 +8,7 @@ from mcsl_core.timing import format_time
 
 def summary(made: edl.Edl) -> dict[str, object]:
     """What was decided, for programs."""
+    settings = made.made_by.settings if made.made_by else {}
     return {
         "frames": made.frames,
         "seconds": round(float(made.frames / made.rate), 3),
@@ -17,6 +18,7 @@ def summary(made: edl.Edl) -> dict[str, object]:
         "overrides": len(made.overrides),
         "weak": [{"pose": i, "camera": w.camera, "reason": w.reason} for i, p in enumerate(made.poses) for w in p.weak],
         "residual_px": [dict(p.residual_px) for p in made.poses],
+        **({"gaze": settings["gaze"]} if "gaze" in settings else {}),
     }
 
 
@@ -35,4 +37,6 @@ def describe(made: edl.Edl) -> str:
         at = format_time(pose.range.start / made.rate)
         lines.append(f"  pose from {at}, perspective {pose.perspective}: residual px {fits or 'none'}")
         lines += [f"    weak: {w.camera}: {w.reason}" for w in pose.weak]
+    for file in made.made_by.settings.get("gaze", ()) if made.made_by else ():
+        lines.append(f"  gaze of {file['file']}: {file['used']} of {file['samples']} looks used")
     return "\n".join(lines)

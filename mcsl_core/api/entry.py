@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import attrs
 
 from mcsl_core.analysis import pipeline
 from mcsl_core.analysis.settings import AnalysisSettings
+from mcsl_core.errors import UsageError
 from mcsl_core.evaluation import evaluate as evaluating
 from mcsl_core.evaluation.manual_alignment import load_manual
 from mcsl_core.evaluation.results import Evaluation
@@ -66,9 +67,9 @@ def analyse(
     >>> p = mcsl.analyse("recording/", "edl.json", selector="least-occluded")
     >>> p.edl.movements
     """
+    _check_settings(settings, stages)
     settings = settings or AnalysisSettings()
-    chosen = {**settings.stages, **stages}
-    settings = attrs.evolve(settings, stages=chosen, reference=reference or settings.reference)
+    settings = attrs.evolve(settings, stages={**settings.stages, **stages}, reference=reference or settings.reference)
     files = [recording] if isinstance(recording, (str, Path)) else recording
     pipeline.analyse(
         [Path(file) for file in files],
@@ -78,6 +79,20 @@ def analyse(
         progress=progress or Silent(),
     )
     return open(edl_path)
+
+
+def _check_settings(settings: object, stages: Mapping[str, str]) -> None:
+    wrong = sorted(set(stages) & {f.name for f in attrs.fields(AnalysisSettings)})
+    if wrong:
+        raise UsageError(
+            f"{wrong[0]} is a setting, no stage",
+            remedy=f"Give settings=mcsl.AnalysisSettings({wrong[0]}={stages[wrong[0]]!r})",
+        )
+    if not isinstance(settings, AnalysisSettings | None):
+        raise UsageError(
+            f"settings are an AnalysisSettings, got {type(settings).__name__}",
+            remedy='Give settings=mcsl.AnalysisSettings(sync="none")',
+        )
 
 
 def open(path: str | Path) -> Programme:
@@ -131,6 +146,11 @@ def evaluate(
     --------
     >>> {row.name: row.whole.itf_db for row in mcsl.evaluate(p, every=10).measured}
     """
+    if not isinstance(programme, Programme):
+        remedy = 'Give what mcsl.open("edl.json") returns'
+        raise UsageError(f"a Programme is measured, got {programme!r}", remedy=remedy)
+    if manual is None and manual_fit != "similarity":
+        raise UsageError("--manual-fit says what --manual becomes, which is not given", remedy="Give both or none")
     edl = programme.edl
     by_hand = None if manual is None else load_manual(Path(manual), edl, fit=manual_fit)
     variants = evaluating.standard_variants(edl, manual=by_hand, colour=colour)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -58,6 +59,8 @@ class Programme:
     @classmethod
     def open(cls, path: str | Path) -> Programme:
         """The programme of the EDL at ``path``; InputError where it is none."""
+        if not isinstance(path, str | PathLike):
+            raise UsageError(f"an EDL is opened by its path, got {path!r}", remedy='Give it as mcsl.open("edl.json")')
         programme = cls(edls.load(path), path)
         programme._written = programme.edl
         return programme

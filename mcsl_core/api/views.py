@@ -100,7 +100,10 @@ class Views:
 
 def moved(matrix: Homography, points: ArrayLike) -> NDArray[np.float64]:
     """Points (N, 2) or (2,) through a homography; UsageError where they are no points."""
-    given = np.asarray(points, np.float64)
+    try:
+        given = np.asarray(points, np.float64)
+    except (TypeError, ValueError):
+        raise UsageError(f"points are numbers, got {points!r}"[:200], remedy="Give [[x, y], ...]") from None
     if given.ndim not in (1, 2) or given.shape[-1] != 2:
         raise UsageError(f"points are (N, 2) or (2,), got an array of shape {given.shape}", remedy="Give [[x, y], ...]")
     return transform_points(matrix, given.reshape(-1, 2)).reshape(given.shape)

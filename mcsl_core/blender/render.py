@@ -75,6 +75,8 @@ class RenderSettings:
     def __attrs_post_init__(self) -> None:
         if self.engine not in ENGINES:
             raise UsageError(f"there is no engine {self.engine!r}", remedy=f"Take one of {', '.join(ENGINES)}")
+        if self.jobs is not None and self.jobs < 1:
+            raise UsageError(f"at least one chunk is made at a time, got {self.jobs}", remedy="Choose 1 or more jobs")
         if self.show_origin and self.engine != "direct":
             raise UsageError(
                 "a review copy that shows where pixels come from is made directly", remedy="Add --engine direct"

@@ -1,23 +1,15 @@
-"""Gaze: where viewers looked, recorded by eye trackers, and the fixations in it, over which the eyes rest on one point.
-
-A file is CSV with a header line. Columns: ``frame`` (programme frames) or ``time`` (programme seconds); ``x`` and ``y``
-in pixels of the programme without centering, or of the camera named in a column ``camera``; ``observer``, where there
-are several (else a file is one). Lines with an empty x or y are blinks.
-"""
+"""Gaze: where viewers looked, as eye trackers record it, and the fixations in it: points that the eyes rest on."""
 
 from __future__ import annotations
 
-import csv
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
-from mcsl_core.errors import DocumentError, InputError
 from mcsl_core.timing import FrameRange
 
 # Frame, camera -> (3, 3), camera pixel to programme pixel; None where it is not known.
@@ -49,40 +41,6 @@ class Gaze:
     x: float
     y: float
     camera: str | None = None
-
-
-def read_gaze(paths: Sequence[Path], *, rate: float, cameras: Sequence[str]) -> tuple[Gaze, ...]:
-    """Reads files of gaze.
-
-    Parameters
-    ----------
-    paths : sequence of Path
-        CSV files; see the module's description.
-    rate : float
-        Programme frames per second, for files by time.
-    cameras : sequence of str
-        The names that a column ``camera`` may hold.
-
-    Returns
-    -------
-    tuple of Gaze
-        All lines of all files, without blinks.
-
-    Raises
-    ------
-    InputError
-        Where a file is missing or is no text.
-    DocumentError
-        Where a line is wrong; it names the line.
-    """
-    gaze: list[Gaze] = []
-    for path in paths:
-        try:
-            with path.open(newline="", encoding="utf-8-sig") as stream:
-                gaze += _read(csv.DictReader(stream), path, rate, set(cameras))
-        except (OSError, UnicodeDecodeError) as error:
-            raise InputError(f"cannot be read as a file of gaze ({error})", where=str(path)) from error
-    return tuple(gaze)
 
 
 def fixations(
@@ -155,32 +113,6 @@ class _Fixation:
         return np.median(self.means, axis=0)
 
 
-def _read(lines: csv.DictReader[str], path: Path, rate: float, cameras: set[str]) -> Iterable[Gaze]:
-    columns = set(lines.fieldnames or ())
-    if not {"x", "y"} <= columns or not columns & {"frame", "time"}:
-        raise DocumentError(
-            f"has the columns {', '.join(sorted(columns)) or 'none'}, expected frame or time, x and y",
-            where=str(path),
-            remedy="Write them in the first line, separated by commas; docs/how-to/look.md shows an example",
-        )
-    for line in lines:
-        try:
-            if not (line["x"] or "").strip() or not (line["y"] or "").strip():
-                continue
-            frame = float(line["frame"]) if "frame" in columns else float(line["time"]) * rate
-            x, y = float(line["x"]), float(line["y"])
-            camera = (line.get("camera") or "").strip() or None
-            if not np.isfinite([frame, x, y]).all():
-                raise ValueError("a number is not finite")
-            if camera is not None and camera not in cameras:
-                raise ValueError(f"{camera!r} is not a camera, expected one of {', '.join(sorted(cameras))}")
-        except (TypeError, ValueError) as error:
-            raise DocumentError(
-                f"line {lines.line_num} cannot be read ({error})", where=str(path), remedy="Correct or delete the line"
-            ) from None
-        yield Gaze(frame, line.get("observer") or path.name, x, y, camera)
-
-
 def _window_means(
     gaze: Sequence[Gaze], to_programme: ToProgramme, frames: int, step: float
 ) -> Mapping[int, NDArray[np.float64]]:
@@ -204,4 +136,4 @@ def _in_programme(sample: Gaze, to_programme: ToProgramme) -> tuple[float, float
     if matrix is None:
         return None
     x, y, w = matrix @ (sample.x, sample.y, 1.0)
-    return float(x / w), float(y / w)
+    return (float(x / w), float(y / w)) if w > 1e-9 else None  # else behind the camera

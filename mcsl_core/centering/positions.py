@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 
@@ -12,7 +14,7 @@ from mcsl_core.edl.placement import placement_matrix
 from mcsl_core.imaging.geometry import scaling
 
 from .field import field_middle
-from .gaze import Gaze, fixations
+from .gaze import Gaze, ToProgramme, fixations
 from .protocol import FieldPosition
 
 
@@ -27,10 +29,22 @@ def field_positions(solved: Sequence[SolvedPose], size: tuple[int, int]) -> list
 
 def gaze_positions(gaze: Sequence[Gaze], made: Edl) -> list[FieldPosition]:
     """Where viewers looked, in the programme of ``made``."""
+    found = fixations(gaze, _placement(made), frames=made.frames, size=made.size, rate=float(made.rate))
+    return [FieldPosition(within, middle) for within, middle in found]
 
-    def to_programme(frame: int, camera: str) -> np.ndarray | None:
-        matrix = placement_matrix(made, made.pose_at(frame), camera)
+
+def looks_unplaced(gaze: Sequence[Gaze], made: Edl) -> int:
+    """How many looks are at cameras of which nobody knows how they lie in the programme then."""
+    to_programme = _placement(made)
+    return sum(look.camera is not None and to_programme(int(look.frame), look.camera) is None for look in gaze)
+
+
+def _placement(made: Edl) -> ToProgramme:
+    starts = [pose.range.start for pose in made.poses]
+
+    @cache
+    def matrix_in(pose_index: int, camera: str) -> np.ndarray | None:
+        matrix = placement_matrix(made, made.poses[pose_index], camera)
         return None if matrix is None else np.array(matrix)
 
-    found = fixations(gaze, to_programme, frames=made.frames, size=made.size, rate=float(made.rate))
-    return [FieldPosition(within, middle) for within, middle in found]
+    return lambda frame, camera: matrix_in(bisect_right(starts, frame) - 1, camera)

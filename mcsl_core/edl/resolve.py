@@ -6,8 +6,10 @@ Conventions as in `edl`: half-open frame ranges, pixel centres at integers, row-
 from __future__ import annotations
 
 from bisect import bisect_right
+from heapq import heappop, heappush
 from itertools import pairwise
 from math import ceil, sqrt
+from typing import Any
 
 import attrs
 from attrs import frozen
@@ -19,6 +21,7 @@ from .schema import CenteringKey, Edl
 # No more than this may the centering's speed change from one frame to the next, as a share of the picture's width: 0.77
 # pixels a frame at 1920. A shift of a tenth of the width then takes five seconds at 25 frames/s as keys, two by hand.
 ACCELERATION = 4e-4
+_DECIDED = ("camera", "centering", "fill", "colour", "offset")
 EASE_S = 2.0  # a change of the centering takes at least this long
 
 Centering = tuple[bool, tuple[float, float] | None]  # on or off, and the offset by hand
@@ -80,7 +83,7 @@ def resolve(edl: Edl) -> tuple[tuple[FrameRange, Decision], ...]:
 
     Notes
     -----
-    Cost grows with shots plus overrides, times the overrides that hold at one frame.
+    Cost grows with shots plus overrides, however many of them hold at one frame.
 
     Examples
     --------
@@ -94,17 +97,27 @@ def resolve(edl: Edl) -> tuple[tuple[FrameRange, Decision], ...]:
     beginning: dict[int, list[int]] = {}
     for index, override in enumerate(edl.overrides):
         beginning.setdefault(override.range.start, []).append(index)
-    holding: list[int] = []  # indices of the overrides that hold, in the list's order
+    # field -> minus the indices of overrides that say it, the latest first; those that have ended are dropped on top.
+    saying: dict[str, list[int]] = {name: [] for name in _DECIDED}
     for start, stop in pairwise(points):
         while start not in shot.range:
             shot = next(shots)
-        holding = sorted([i for i in holding if start in edl.overrides[i].range] + beginning.get(start, []))
-        decision = Decision(shot.camera, edl.look.centering, edl.look.fill, edl.look.colour, overridden=False)
-        for override in (edl.overrides[i] for i in holding):
-            fields = {name: getattr(override, name) for name in ("camera", "centering", "fill", "colour", "offset")}
-            given = {name: value for name, value in fields.items() if value is not None}
-            decision = attrs.evolve(decision, **given, overridden=decision.overridden or bool(given))
-        pieces.append((FrameRange(start, stop), decision))
+        for index in beginning.get(start, ()):
+            for name, heap in saying.items():
+                if getattr(edl.overrides[index], name) is not None:
+                    heappush(heap, -index)
+        decided: dict[str, Any] = {
+            "camera": shot.camera,
+            "centering": edl.look.centering,
+            "fill": edl.look.fill,
+            "colour": edl.look.colour,
+        }
+        for name, heap in saying.items():
+            while heap and edl.overrides[-heap[0]].range.stop <= start:
+                heappop(heap)
+            if heap:
+                decided[name] = getattr(edl.overrides[-heap[0]], name)
+        pieces.append((FrameRange(start, stop), Decision(**decided, overridden=any(saying.values()))))
     return tuple(_eased(edl, merge_equal(pieces)))
 
 

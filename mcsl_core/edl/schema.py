@@ -15,18 +15,26 @@ import attrs
 from attrs import field, frozen
 from attrs.validators import optional
 
-from mcsl_core.documents import Bounds, NotEmpty, doc, key_path
+from mcsl_core.documents import AtMost, Bounds, NotEmpty, doc, key_path
 from mcsl_core.errors import Fault
-from mcsl_core.timing import FrameRange, check_tiles
+from mcsl_core.timing import FrameRange, check_rate, check_tiles
 
 Matrix = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 Matrix34 = tuple[
     tuple[float, float, float, float], tuple[float, float, float, float], tuple[float, float, float, float]
 ]
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+# What is taken, so that nobody's document fills the memory or never ends: each is beyond any operation.
+MOST_FRAMES = 50_000_000  # two days at 240 frames/s have 41 million
+LONGEST_S = 48 * 3600
+LARGEST_SIDE = 16_384
+MOST_CAMERAS, MOST_FILES, MOST_POSES, MOST_DECISIONS = 256, 10_000, 10_000, 100_000
 UNIT = Bounds(0, 1)
-POSITIVE = Bounds(1)
+FRAMES = Bounds(1, MOST_FRAMES)
+SIDES = Bounds(1, LARGEST_SIDE)
 NOT_NEGATIVE = Bounds(0)
+NUMBERS = Bounds(-10_000_000, 10_000_000)  # of matrices and shifts in pixels; their products stay finite
+SECONDS = Bounds(-(10**11), 10**11)  # epoch times in milliseconds as well
 
 
 def _require(condition: bool, what: str, at: str) -> None:
@@ -35,7 +43,10 @@ def _require(condition: bool, what: str, at: str) -> None:
 
 
 def _positive_rate(_: Any, attribute: attrs.Attribute[Any], value: Fraction) -> None:
-    _require(value > 0, f"a rate must be positive, got {value}", f".{attribute.name}")
+    try:
+        check_rate(value)
+    except Fault as fault:
+        raise Fault(fault.what, f".{attribute.name}") from None
 
 
 def _pair(_: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
@@ -46,7 +57,7 @@ def _pair(_: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
 def _check_matrix(matrix: Matrix, at: str) -> None:
     shape_is_right = isinstance(matrix, tuple) and [len(row) for row in matrix] == [3, 3, 3]
     _require(shape_is_right, f"must be a tuple of three rows of three numbers, got {matrix!r}", at)
-    Bounds().check(matrix, at)
+    NUMBERS.check(matrix, at)
     (a, b, c), (d, e, f), (g, h, i) = matrix
     _require(abs(i - 1) < 1e-9, f"must be scaled so that its last element is 1, got {i}", f"{at}[2][2]")
     determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
@@ -58,7 +69,7 @@ class Media:
     """One file of a camera; a camera's files are played one after another."""
 
     path: str = field(validator=NotEmpty(), metadata=doc("relative to the EDL's folder, or absolute; forward slashes"))
-    frames: int = field(validator=POSITIVE, metadata=doc("pictures in the file"))
+    frames: int = field(validator=FRAMES, metadata=doc("pictures in the file"))
     fingerprint: str = field(default="", metadata=doc("content key: changes when the file does"))
 
 
@@ -67,7 +78,7 @@ class Clock:
     """A camera's own time is ``(t - offset_s) * (1 + drift_ppm * 1e-6)`` at programme time t seconds."""
 
     offset_s: float = field(
-        default=0.0, validator=Bounds(), metadata=doc("programme time in seconds at which the camera's time is 0")
+        default=0.0, validator=SECONDS, metadata=doc("programme time in seconds at which the camera's time is 0")
     )
     drift_ppm: float = field(
         default=0.0,
@@ -91,8 +102,8 @@ class Camera:
     """One camera: its files, their size and rate, and its clock against the programme's."""
 
     name: str = field(validator=NotEmpty(), metadata=doc("unique; used everywhere else in this document"))
-    media: tuple[Media, ...] = field(validator=NotEmpty(), metadata=doc("played one after another"))
-    size: tuple[int, int] = field(validator=POSITIVE, metadata=doc("displayed width and height in pixels"))
+    media: tuple[Media, ...] = field(validator=NotEmpty(MOST_FILES), metadata=doc("played one after another"))
+    size: tuple[int, int] = field(validator=SIDES, metadata=doc("displayed width and height in pixels"))
     rate: Fraction = field(validator=_positive_rate, metadata=doc("nominal frames per second"))
     clock: Clock = field(factory=Clock, metadata=doc("relation to the programme clock"))
     gaps: tuple[FrameRange, ...] = field(default=(), metadata=doc("programme ranges with no picture, in order"))
@@ -119,7 +130,7 @@ class Colour:
     """Matches a camera's colours to the reference camera's."""
 
     matrix: Matrix34 = field(
-        validator=Bounds(),
+        validator=NUMBERS,
         metadata=doc("[Y', Cb, Cr, 1] of the camera, BT.709 limited range, 8-bit codes -> of the reference camera"),
     )
 
@@ -184,7 +195,7 @@ class Override:
     colour: bool | None = field(default=None, metadata=doc("colour matching on or off", optional=True))
     offset: tuple[float, float] | None = field(
         default=None,
-        validator=optional([_pair, Bounds()]),
+        validator=optional([_pair, NUMBERS]),
         metadata=doc("[dx, dy] in programme pixels, by hand, in place of the automatic centering", optional=True),
     )
     note: str = field(default="", metadata=doc("the editor's remark", optional=True))
@@ -236,21 +247,29 @@ class Edl:
     rate: Fraction = field(
         validator=_positive_rate, metadata=doc("programme frames per second; frame n stands at n / rate seconds")
     )
-    size: tuple[int, int] = field(validator=POSITIVE, metadata=doc("programme width and height in pixels"))
-    frames: int = field(validator=POSITIVE, metadata=doc("length of the programme"))
+    size: tuple[int, int] = field(validator=SIDES, metadata=doc("programme width and height in pixels"))
+    frames: int = field(validator=FRAMES, metadata=doc("length of the programme"))
     reference: str = field(metadata=doc("the camera whose perspective the programme keeps"))
-    cameras: tuple[Camera, ...] = field(validator=NotEmpty(), metadata=doc("every camera"))
-    movements: tuple[Movement, ...] = field(default=(), metadata=doc("when the lamp moves, in order"))
+    cameras: tuple[Camera, ...] = field(validator=NotEmpty(MOST_CAMERAS), metadata=doc("every camera"))
+    movements: tuple[Movement, ...] = field(
+        default=(), validator=AtMost(MOST_POSES), metadata=doc("when the lamp moves, in order")
+    )
     poses: tuple[Pose, ...] = field(
+        validator=AtMost(MOST_POSES),
         metadata=doc(
             "stretches in which the lamp stands still; a movement's first half "
             "belongs to the pose before it, its second to the pose after"
-        )
+        ),
     )
-    shots: tuple[Shot, ...] = field(metadata=doc("the automatic decisions"))
-    overrides: tuple[Override, ...] = field(default=(), metadata=doc("the editor's decisions; analysis keeps them"))
+    shots: tuple[Shot, ...] = field(validator=AtMost(MOST_DECISIONS), metadata=doc("the automatic decisions"))
+    overrides: tuple[Override, ...] = field(
+        default=(),
+        validator=AtMost(MOST_DECISIONS),
+        metadata=doc("the editor's decisions; analysis keeps them"),
+    )
     corrections: tuple[Correction, ...] = field(
         default=(),
+        validator=AtMost(MOST_POSES),
         metadata=doc("alignment corrected by hand; analysis keeps it; of two, the later in the list", optional=True),
     )
     look: Look = field(factory=Look, metadata=doc("visual aids for the whole programme"))
@@ -262,6 +281,8 @@ class Edl:
     made_by: MadeBy | None = field(default=None, metadata=doc("what made the analysis"))
 
     def __attrs_post_init__(self) -> None:
+        lasts_s = self.frames / self.rate
+        _require(lasts_s <= LONGEST_S, f"{float(lasts_s):.6g} s are longer than two days", ".frames")
         self._check_cameras()
         self._check_movements()
         self._check_poses()
@@ -271,8 +292,8 @@ class Edl:
             at = f".centering[{index}]"
             _require(0 <= frame < self.frames, f"frame {frame} is outside [0, {self.frames})", f"{at}[0]")
             _require(frame > last, f"keys must rise, got frame {frame} after {last}", f"{at}[0]")
-            Bounds().check(dx, f"{at}[1]")
-            Bounds().check(dy, f"{at}[2]")
+            NUMBERS.check(dx, f"{at}[1]")
+            NUMBERS.check(dy, f"{at}[2]")
             last = frame
 
     def _check_cameras(self) -> None:

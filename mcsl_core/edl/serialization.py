@@ -19,6 +19,7 @@ from mcsl_core.errors import DocumentError
 from .schema import Edl
 
 SCHEMA = "mcsl.edl/1"
+_REMEDY = "Hand in the file that `mcsl analyse` wrote"
 _converter = make_converter()
 # schema -> function from its JSON value to the next schema's
 _UPGRADES: dict[str, Callable[[dict[str, Any]], dict[str, Any]]] = {}
@@ -40,7 +41,7 @@ def from_json(value: Any, *, where: str = "") -> Edl:
         With the path to the wrong value and what was expected.
     """
     if not isinstance(value, dict):
-        raise DocumentError("an EDL is a JSON object", where=where, remedy="Hand in the file that `mcsl analyse` wrote")
+        raise DocumentError("an EDL is a JSON object", where=where, remedy=_REMEDY)
     value = dict(value)
     schema = value.get("schema")
     while isinstance(schema, str) and schema in _UPGRADES:
@@ -53,7 +54,7 @@ def from_json(value: Any, *, where: str = "") -> Edl:
         raise DocumentError(
             f"{found}; expected {SCHEMA!r}",
             where=f"{where} at $.schema" if where else "$.schema",
-            remedy="Install a newer mcsl" if newer else "Hand in the file that `mcsl analyse` wrote",
+            remedy="Install a newer mcsl" if newer else _REMEDY,
         )
     del value["schema"]
     return structure_document(value, Edl, _converter, where=where, name="the EDL (edl.md)")
@@ -90,7 +91,7 @@ def load(path: str | Path) -> Edl:
     >>> edl.frames, [camera.name for camera in edl.cameras]  # doctest: +SKIP
     (178721, ['cam1', 'cam2', 'cam3'])
     """
-    return from_json(read_json(Path(path)), where=str(path))
+    return from_json(read_json(Path(path), wanted="an EDL", remedy=_REMEDY), where=str(path))
 
 
 def save(edl: Edl, path: str | Path) -> None:

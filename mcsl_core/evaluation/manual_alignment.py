@@ -6,8 +6,7 @@ the numbers an editor set in Blender. Matrices map camera pixel to programme pix
 
 from __future__ import annotations
 
-import csv
-import io
+import re
 from collections.abc import Mapping, Sequence
 from math import cos, sin
 from pathlib import Path
@@ -24,11 +23,15 @@ from mcsl_core.edl import IDENTITY, Edl, Matrix, Pose, Weak
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.errors import DocumentError, Fault, InputError, UsageError
 from mcsl_core.imaging.geometry import to_edl_matrix
+from mcsl_core.tables import number, read_table
 
 FITS = ("similarity", "homography")
 COLUMNS = ("pose", "camera", "x", "y", "programme_x", "programme_y")
 
 _ONE_POINT = "the points lie in one place on one side"
+_WANTED = "a file of alignments by hand"
+_LINE = "the points lie on a line"
+_SCALES = (1e-3, 1e3)  # programme pixels a camera pixel, in the middle of the picture
 
 ByHand = Mapping[int, Mapping[str, Matrix]]  # pose index -> camera -> camera pixel to programme pixel
 
@@ -88,10 +91,20 @@ def homography_from_points(source: ArrayLike, target: ArrayLike) -> Matrix:
         Where the points fix none: too few, or all on a line.
     """
     a, b = _points(source, target, 4)
-    found, _ = cv2.findHomography(a, b, 0)
-    if found is None or abs(np.linalg.det(found)) < 1e-12 or abs(found[2, 2]) < 1e-12:
-        raise ValueError("the points lie on a line")
+    try:
+        found, _ = cv2.findHomography(a, b, 0)
+    except cv2.error as error:  # its own check of points that it cannot work with
+        raise ValueError(_LINE) from error
+    flat = min(_flatness(a), _flatness(b)) < 1e-3
+    if flat or found is None or abs(np.linalg.det(found)) < 1e-12 or abs(found[2, 2]) < 1e-12:
+        raise ValueError(_LINE)
     return to_edl_matrix(np.asarray(found, np.float64))
+
+
+def _flatness(points: NDArray) -> float:
+    """How wide a cloud of points is, as a share of its length."""
+    length, width = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[:2]
+    return float(width / length) if length else 0.0
 
 
 def _points(source: ArrayLike, target: ArrayLike, least: int) -> tuple[NDArray, NDArray]:
@@ -100,6 +113,9 @@ def _points(source: ArrayLike, target: ArrayLike, least: int) -> tuple[NDArray, 
         raise ValueError(f"expected as many points (x, y) on either side, got shapes {a.shape} and {b.shape}")
     if len(a) < least:
         raise ValueError(f"expected at least {least} point pairs, got {len(a)}")
+    largest = max(np.abs(a).max(), np.abs(b).max())
+    if not largest < 1e6:  # NaN as well
+        raise ValueError(f"a point lies at {largest:g} pixels")
     return a, b
 
 
@@ -206,7 +222,7 @@ def load_manual(path: Path, edl: Edl, *, fit: str = "similarity") -> ByHand:
     """
     if fit not in FITS:
         raise UsageError(f"{fit!r} is no fit for point pairs", remedy=f"Take one of {', '.join(FITS)}")
-    read = _read_csv if path.suffix.lower() == ".csv" else _read_json
+    read = _read_csv if path.suffix.lower() in (".csv", ".tsv") else _read_json
     by_hand: dict[int, dict[str, Matrix]] = {index: {} for index in range(len(edl.poses))}
     sizes = {camera.name: camera.size for camera in edl.cameras}
     solved: dict[tuple[str, int | None], Matrix] = {}
@@ -217,14 +233,32 @@ def load_manual(path: Path, edl: Edl, *, fit: str = "similarity") -> ByHand:
         pose_index = _pose_index(entry, edl, where)
         try:
             matrix = _solved(entry, sizes[entry.camera], edl.size, fit)
+            _check_usable(np.array(matrix), sizes[entry.camera])
         except ValueError as error:
-            raise DocumentError(str(error), where=where, remedy="Take points that are spread over the field") from error
+            remedy = "Take points that are spread over the field" if entry.points else "Correct the numbers"
+            raise DocumentError(str(error), where=where, remedy=remedy) from error
         if solved.setdefault((entry.camera, pose_index), matrix) != matrix:
             raise DocumentError("is aligned in two ways", where=where, remedy="Keep one, or name the pose of each")
     for (camera, pose_index), matrix in sorted(solved.items(), key=lambda item: item[0][1] is not None):
         for index in by_hand if pose_index is None else [pose_index]:
             by_hand[index][camera] = matrix
     return by_hand
+
+
+def _check_usable(matrix: NDArray[np.float64], size: tuple[int, int]) -> None:
+    """ValueError unless the camera's whole picture of ``size`` is laid somewhere, at a scale that shows anything."""
+    width, height = size
+    corners = np.array([(x, y, 1.0) for x in (0, width - 1) for y in (0, height - 1)])
+    if not np.isfinite(matrix).all():
+        raise ValueError("is no alignment: a number in it is too large or none")
+    with np.errstate(all="ignore"):
+        (x, y, w), depths = matrix @ ((width - 1) / 2, (height - 1) / 2, 1.0), corners @ matrix[2]
+        slope = (matrix[:2, :2] * w - np.outer((x, y), matrix[2, :2])) / w**2  # of programme pixels by camera pixels
+        scales = np.linalg.svd(slope, compute_uv=False) if np.isfinite(slope).all() else np.zeros(2)
+    if not (_SCALES[0] < scales.min() and scales.max() < _SCALES[1]):
+        raise ValueError("is singular or nearly so: the picture becomes a line or a point, or huge")
+    if depths.min() * depths.max() <= 0 or not matrix[2, 2]:
+        raise ValueError("lays a part of the picture behind the viewer")
 
 
 def _pose_index(entry: _Entry, edl: Edl, where: str) -> int | None:
@@ -243,14 +277,16 @@ def _solved(entry: _Entry, size: tuple[int, int], programme: tuple[int, int], fi
     if entry.transform is not None:
         return entry.transform.matrix(size, programme)
     if entry.homography is not None:
-        return to_edl_matrix(np.array(entry.homography))
+        given = np.array(entry.homography)
+        _check_usable(given, size)
+        return to_edl_matrix(given)
     points = np.array(entry.points)
     made = similarity_from_points if fit == "similarity" else homography_from_points
     return made(points[:, :2], points[:, 2:])
 
 
 def _read_json(path: Path) -> Sequence[_Entry]:
-    value: Any = read_json(path)
+    value: Any = read_json(path, wanted=_WANTED, remedy="docs/how-to/evaluation.md has an example")
     name = "alignments by hand (evaluation.md)"
     return structure_document(value, _File, make_converter(), where=str(path), name=name).alignments
 
@@ -258,26 +294,33 @@ def _read_json(path: Path) -> Sequence[_Entry]:
 def _read_csv(path: Path) -> Sequence[_Entry]:
     """Rows of `COLUMNS`; an empty pose means all poses."""
     remedy = f"The columns are {','.join(COLUMNS)}; docs/how-to/evaluation.md has an example"
-    try:
-        rows = csv.DictReader(io.StringIO(path.read_text("utf-8-sig")))
-        found: dict[tuple[str, int | None], list[tuple[float, float, float, float]]] = {}
-        if set(COLUMNS) - {"pose"} - set(rows.fieldnames or ()):
-            raise DocumentError("lacks columns", where=str(path), remedy=remedy)
-        for row in rows:
-            try:
-                pose = int(row["pose"]) if row.get("pose") else None
-                x, y = float(row["x"]), float(row["y"])
-                u, v = float(row["programme_x"]), float(row["programme_y"])
-            except (TypeError, ValueError) as error:
-                raise DocumentError(str(error), where=f"{path}, line {rows.line_num}", remedy=remedy) from error
-            found.setdefault((row["camera"], pose), []).append((x, y, u, v))
-    except (OSError, UnicodeDecodeError) as error:
-        why = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
-        raise InputError(f"cannot be read ({why})", where=str(path), remedy="Check the path") from error
-    try:
-        return [_Entry(camera, pose, points=tuple(points)) for (camera, pose), points in found.items()]
-    except Fault as fault:
-        raise DocumentError(str(fault), where=str(path), remedy=remedy) from fault
+    rows = read_table(path, wanted=_WANTED, remedy=remedy)
+    if lacking := [name for name in COLUMNS if name not in (*rows.columns, "pose")]:
+        raise DocumentError(f"lacks columns: {', '.join(lacking)}", where=str(path), remedy=remedy)
+    found: dict[tuple[str, int | None], list[tuple[float, float, float, float]]] = {}
+    for row in rows:
+        try:
+            pose = _whole(row.cells.get("pose", ""))
+            x, y, u, v = (number(row.cells[name]) for name in COLUMNS[2:])
+        except ValueError as error:
+            raise DocumentError(str(error), where=f"{path}, line {row.line}", remedy=remedy) from error
+        found.setdefault((row.cells["camera"], pose), []).append((x, y, u, v))
+    if not found:
+        raise DocumentError("holds no point pairs", where=str(path), remedy=remedy)
+    entries = []
+    for (camera, pose), points in found.items():
+        try:
+            entries.append(_Entry(camera, pose, points=tuple(points)))
+        except Fault as fault:
+            where = f"{path}, camera {camera}" + ("" if pose is None else f", pose {pose}")
+            raise DocumentError(str(fault), where=where, remedy="Add lines") from fault
+    return entries
+
+
+def _whole(text: str) -> int | None:
+    if text and not re.fullmatch(r"\d{1,9}(\.0*)?", text, re.ASCII):
+        raise ValueError(f"{text[:40]!r} is no pose")
+    return int(float(text)) if text else None
 
 
 def aligned_by_hand(edl: Edl, by_hand: ByHand) -> Edl:
@@ -309,8 +352,17 @@ def aligned_by_hand(edl: Edl, by_hand: ByHand) -> Edl:
                     where=f"pose {index}",
                     remedy="Add its point pairs (docs/how-to/evaluation.md)",
                 )
-    poses = tuple(_aligned_pose(edl, pose, by_hand.get(i, {})) for i, pose in enumerate(edl.poses))
-    return attrs.evolve(edl, poses=poses, corrections=())
+    poses = []
+    for index, pose in enumerate(edl.poses):
+        try:
+            poses.append(_aligned_pose(edl, pose, by_hand.get(index, {})))
+        except (Fault, np.linalg.LinAlgError) as fault:  # each is an alignment, but not with the reference's
+            raise InputError(
+                f"the cameras' alignments by hand do not go together ({fault})",
+                where=f"pose {index}",
+                remedy=f"Check that of camera {edl.reference}, which the others lead through",
+            ) from fault
+    return attrs.evolve(edl, poses=tuple(poses), corrections=())
 
 
 def _aligned_pose(edl: Edl, pose: Pose, matrices: Mapping[str, Matrix]) -> Pose:

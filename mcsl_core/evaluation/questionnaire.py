@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Mapping, Sequence
 from itertools import combinations
 from pathlib import Path
@@ -31,7 +32,8 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from mcsl_core.documents import canonical_json, make_converter
-from mcsl_core.errors import DocumentError, InputError
+from mcsl_core.errors import DocumentError
+from mcsl_core.tables import read_table
 
 COLUMNS = ("participant", "video", "factor", "method", "rating")
 SCHEMA = "mcsl.study/1"
@@ -127,7 +129,7 @@ def read_ratings(path: Path) -> dict[tuple[str, str], dict[str, dict[str, int]]]
     Parameters
     ----------
     path : Path
-        CSV with a line of `COLUMNS`, separated by commas, semicolons or tabs.
+        CSV with a line of `COLUMNS`, as `read_table` takes it.
 
     Returns
     -------
@@ -142,32 +144,28 @@ def read_ratings(path: Path) -> dict[tuple[str, str], dict[str, dict[str, int]]]
     InputError
         Where the file cannot be read.
     """
-    try:
-        text = path.read_text("utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(
-            f"cannot be read ({error})", where=str(path), remedy="Check the path; save as UTF-8"
-        ) from error
-    head = text.partition("\n")[0]
-    rows = csv.DictReader(io.StringIO(text), delimiter=max(",;\t", key=head.count))
-    lacking = [name for name in COLUMNS if name not in (rows.fieldnames or ())]
+    head = f"The first line is {','.join(COLUMNS)}"
+    rows = read_table(path, wanted="a file of ratings", remedy=head)
+    lacking = [name for name in COLUMNS if name not in rows.columns]
     if lacking:
-        raise DocumentError(
-            f"lacks the column {', '.join(lacking)}", where=str(path), remedy=f"The first line is {','.join(COLUMNS)}"
-        )
+        raise DocumentError(f"lacks the column {', '.join(lacking)}", where=str(path), remedy=head)
     found: dict[tuple[str, str], dict[str, dict[str, int]]] = {}
     for row in rows:
-        where = f"{path}, line {rows.line_num}"
-        participant, video, factor, method, rating = [(row[name] or "").strip() for name in COLUMNS]
-        if rating not in ("1", "2", "3", "4", "5"):
+        where = f"{path}, line {row.line}"
+        participant, video, factor, method, text = [row.cells[name] for name in COLUMNS]
+        rating = re.fullmatch(r"([1-5])([.,]0*)?", text)  # 5.0 and 5,00 as spreadsheets write them
+        if rating is None:
             raise DocumentError(
-                f"the rating is {rating!r}", where=where, remedy="Ratings are whole numbers from 1 to 5"
+                f"the rating is {text[:40]!r}", where=where, remedy="Ratings are whole numbers from 1 to 5"
             )
+        if not participant or not method:
+            lacks = "method" if participant else "participant"
+            raise DocumentError(f"names no {lacks}", where=where, remedy="Complete or delete the line")
         cell = found.setdefault((video, factor), {}).setdefault(method, {})
         if participant in cell:
             what = f"participant {participant} rated {method} in video {video}, factor {factor}, twice"
             raise DocumentError(what, where=where, remedy="Keep one of the two lines")
-        cell[participant] = int(rating)
+        cell[participant] = int(rating[1])
     if not found:
         raise DocumentError("holds no ratings", where=str(path), remedy=f"Add lines of {','.join(COLUMNS)}")
     _check_complete(found, path)

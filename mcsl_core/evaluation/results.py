@@ -10,7 +10,7 @@ from typing import Any
 from attrs import frozen
 
 from mcsl_core.documents import canonical_json, make_converter, read_json, structure_document
-from mcsl_core.errors import DocumentError
+from mcsl_core.errors import DocumentError, UsageError
 
 from .metrics import FOLLOWED, MATCHED
 
@@ -154,11 +154,12 @@ class Evaluation:
     measured: tuple[Measured, ...]
 
     def row(self, name: str) -> Measured:
-        """The variant of that name; KeyError when it was not measured."""
+        """The variant of that name; UsageError where it was not measured."""
         for measured in self.measured:
             if measured.name == name:
                 return measured
-        raise KeyError(name)
+        there = ", ".join(measured.name for measured in self.measured)
+        raise UsageError(f"there is no variant {name!r}", remedy=f"Measured are {there or 'none'}")
 
     def gains(self, over: str = "manual", of: str = "auto") -> dict[str, float]:
         """By how much one variant is steadier than another, as the paper tells it.

@@ -47,7 +47,8 @@ def warp_planes(planes: Planes, matrix: Homography, rect: Rect, resampling: Resa
     m = np.array(matrix)
     m[0] -= rect.x * m[2]
     m[1] -= rect.y * m[2]
-    m /= m[2, 2]
+    if abs(m[2, 2]) > 1e-12:  # else the corner lies at infinity, which resampling takes as it is
+        m /= m[2, 2]
     size, half = (rect.width, rect.height), (rect.width // 2, rect.height // 2)
     shift = _whole_shift(m)
     if shift == (0, 0) and planes.size == size:

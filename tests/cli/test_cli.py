@@ -60,7 +60,7 @@ def test_help_starts_at_once() -> None:
         (["analyse"], 2, "Missing argument"),
         (["nonsense"], 2, "No such command"),
         (["analyse", "nowhere", "-o", "e.json"], 3, "nowhere: does not exist. Check the path"),
-        (["conform", "nowhere.json"], 3, "nowhere.json: cannot be read"),
+        (["conform", "nowhere.json"], 3, "nowhere.json: does not exist. Check the path"),
         (["conform", "nowhere.json", "--quality", "best"], 2, "draft, standard, fine"),
         (["render", "nowhere.json", "-o", "x.mp4", "--quality", "best"], 2, "draft, standard, fine"),
         (["simulate", "x", "--size", "wide"], 2, "--size wide is no size. Give it as 640x360"),

@@ -84,7 +84,7 @@ def test_report_writes_a_page(edl: Path, tmp_path: Path) -> None:
     assert (tmp_path / "deep" / "r.html").read_text("utf-8").startswith("<!doctype html>")
     missing = mcsl("report", tmp_path / "none.json", "-o", tmp_path / "r.html")
     assert missing.returncode == 3
-    assert "none.json: cannot be read" in missing.stderr
+    assert "none.json: does not exist" in missing.stderr
 
 
 @pytest.mark.parametrize("command", ["evaluate", "report"])

@@ -63,7 +63,7 @@ def test_a_byte_order_mark_is_no_fault_and_another_encoding_is(tmp_path):
 
 
 def test_a_folder_cannot_be_read_as_a_document(tmp_path):
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="is a folder, not a JSON document"):
         read_json(tmp_path)
 
 

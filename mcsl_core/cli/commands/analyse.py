@@ -37,7 +37,7 @@ def analyse(
     try:
         frames_per_second = parse_rate(rate) if rate else None
     except ValueError as error:
-        raise UsageError(str(error)) from error
+        raise UsageError(f"--rate: {error}") from error
     stages = {stage: name for stage in STAGES if (name := how.pop(stage))}
     settings = mcsl.AnalysisSettings(rate=frames_per_second, cache=not no_cache, stages=stages, **how)
     with session.progress() as progress:

@@ -17,7 +17,7 @@ from mcsl_core.cli.output import Session
 @click.option(
     "--quality", default="standard", show_default=True, help="Of the conformed pictures: draft, standard or fine."
 )
-@click.option("--jobs", type=int, help="Chunks made at the same time (default: one a core).")
+@click.option("--jobs", type=click.IntRange(min=1), help="Chunks made at the same time (default: one a core).")
 @click.option("--prune", is_flag=True, help="Delete chunks that the EDL no longer needs.")
 @click.pass_obj
 def conform(session: Session, edl: Path, out: Path | None, quality: str, jobs: int | None, prune: bool) -> None:

@@ -25,9 +25,22 @@ from mcsl_core.errors import UsageError
     help="What point pairs set by hand become.",
 )
 @click.option(
-    "--every", default=1, show_default=True, metavar="N", help="One in N pairs within shots; 0: switches alone."
+    "--every",
+    type=click.IntRange(min=0),
+    default=1,
+    show_default=True,
+    metavar="N",
+    help="One in N pairs within shots; 0: switches alone.",
 )
-@click.option("--size", "width", default=640, show_default=True, metavar="W", help="Width of the pictures measured.")
+@click.option(
+    "--size",
+    "width",
+    type=click.IntRange(16, 8192),
+    default=640,
+    show_default=True,
+    metavar="W",
+    help="Width of the pictures measured.",
+)
 @click.option("--colour", is_flag=True, help="Match the cameras' colours in all variants.")
 @click.option("--study", type=PATH, help="Test the ratings of a viewers' questionnaire (CSV) instead.")
 @click.option("--csv", "csv_file", type=PATH, help="Write the figures as CSV.")

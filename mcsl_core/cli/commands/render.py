@@ -25,7 +25,7 @@ from mcsl_core.cli.output import Session
 @click.option(
     "--quality", default="standard", show_default=True, help="Of the conformed pictures: draft, standard or fine."
 )
-@click.option("--jobs", type=int, help="Chunks made at the same time (default: one a core).")
+@click.option("--jobs", type=click.IntRange(min=1), help="Chunks made at the same time (default: one a core).")
 @click.option("--show-origin", is_flag=True, help="Tint every pixel by its camera (with --engine direct).")
 @click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
 @click.pass_obj

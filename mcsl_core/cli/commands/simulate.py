@@ -38,7 +38,11 @@ def simulate(session: Session, out: Path, size: str, rate: str, **scene: Any) ->
     if numbers is None:
         raise UsageError(f"--size {size} is no size", remedy="Give it as 640x360")
     try:
-        scenario = Scenario(size=(int(numbers[1]), int(numbers[2])), rate=parse_rate(rate), **scene)
+        frames_per_second = parse_rate(rate)
+    except ValueError as error:
+        raise UsageError(f"--rate: {error}") from error
+    try:
+        scenario = Scenario(size=(int(numbers[1]), int(numbers[2])), rate=frames_per_second, **scene)
     except ValueError as error:
         raise UsageError(str(error), remedy="See: mcsl simulate --help") from error
     with session.progress() as progress:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import mcsl_core as mcsl
+from mcsl_core.api.views import moved
 from mcsl_core.errors import UsageError
+from mcsl_core.evaluation.results import Conditions, Evaluation
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import Scenario, simulate
 
@@ -33,3 +36,20 @@ def test_a_stage_that_there_is_not_is_told_before_any_work(tmp_path: Path) -> No
     with pytest.raises(UsageError, match="there is no stage 'oclusion'"):
         mcsl.analyse(tmp_path, tmp_path / "e.json", oclusion="hue-area")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (lambda: mcsl.open(None), 'an EDL is opened by its path, got None. Give it as mcsl.open("edl.json")'),
+        (lambda: mcsl.evaluate("edl.json"), "a Programme is measured, got 'edl.json'. Give what mcsl.open"),
+        (lambda: mcsl.analyse("r", "e.json", settings={"sync": "none"}), "settings are an AnalysisSettings, got dict"),
+        (lambda: mcsl.analyse("r", "e.json", sync="none"), "Give settings=mcsl.AnalysisSettings(sync='none')"),
+        (lambda: Evaluation(Conditions((16, 9), 1, 0), (), ()).row("auto"), "there is no variant 'auto'"),
+        (lambda: moved(np.eye(3), "points"), "points are numbers, got 'points'. Give [[x, y], ...]"),
+    ],
+)
+def test_a_wrong_call_is_told_in_words(call, told: str) -> None:
+    with pytest.raises(UsageError) as refused:
+        call()
+    assert told in str(refused.value)

@@ -1,19 +1,16 @@
-"""Gaze from files to fixations, and through the poses to what is centred."""
+"""Gaze to fixations, and through the poses to what is centred."""
 
-import math
 from fractions import Fraction
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcsl_core.centering.gaze import Gaze, fixations, read_gaze
+from mcsl_core.centering.gaze import Gaze, fixations
 from mcsl_core.centering.positions import gaze_positions
 from mcsl_core.edl import IDENTITY, Camera, Correction, Edl, Media, Pose, Shot
-from mcsl_core.errors import DocumentError, InputError
 from mcsl_core.timing import FrameRange
 
 SIZE = (960, 540)
@@ -72,41 +69,6 @@ def test_fixations_tile_the_programme(points, frames):
     found = fixations([Gaze(f, "a", x, y) for f, x, y in points], nowhere, frames=frames, size=SIZE, rate=2.0)
     assert not found or (found[0][0].start, found[-1][0].stop) == (0, frames)
     assert all(a[0].stop == b[0].start for a, b in pairwise(found))
-
-
-def write(path: Path, text: str) -> Path:
-    path.write_text(text, "utf-8")
-    return path
-
-
-def test_files_by_frame_or_time_with_blinks_and_a_byte_order_mark(tmp_path):
-    a = write(tmp_path / "視線.csv", "\ufefftime,x,y\n1.5,10,20\n1.6,,\n")
-    b = write(tmp_path / "b.csv", "frame,observer,x,y,camera\n3,Kim,1,2,cam1\n4,Kim,5,6,\n")
-    gaze = read_gaze([a, b], rate=30, cameras=["cam1"])
-    assert gaze == (Gaze(45, "視線.csv", 10, 20), Gaze(3, "Kim", 1, 2, "cam1"), Gaze(4, "Kim", 5, 6))
-    assert all(math.isfinite(sample.frame) for sample in gaze)
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("", "columns none"),
-        ("a,b\n1,2\n", "expected frame or time"),
-        ("frame,x,y\n1,2,3\nsoon,2,3\n", "line 3"),
-        ("frame,x,y\n1,nan,3\n", "not finite"),
-        ("frame,x,y,camera\n1,2,3,cam9\n", "cam9"),
-    ],
-)
-def test_a_wrong_file_is_refused_with_the_line(tmp_path, text, said):
-    path = write(tmp_path / "gaze.csv", text)
-    with pytest.raises(DocumentError, match=said) as caught:
-        read_gaze([path], rate=25, cameras=["cam1"])
-    assert str(path) in str(caught.value)
-
-
-def test_a_missing_file_is_an_input_error(tmp_path):
-    with pytest.raises(InputError, match="cannot be read"):
-        read_gaze([tmp_path / "none.csv"], rate=25, cameras=[])
 
 
 def test_the_analysis_takes_a_cameras_gaze_through_its_pose_and_the_editors_correction():

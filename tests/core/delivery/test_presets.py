@@ -64,7 +64,7 @@ def test_a_wrong_preset_is_refused(tmp_path, change, message):
 
 
 def test_a_missing_file_is_named(tmp_path):
-    with pytest.raises(InputError, match=r"none\.json.*cannot be read"):
+    with pytest.raises(InputError, match=r"none\.json.*does not exist"):
         presets.load_preset(tmp_path / "none.json")
 
 

@@ -179,7 +179,7 @@ def test_what_is_no_object_is_refused(value):
 
 
 def test_a_missing_file_is_named(tmp_path):
-    with pytest.raises(InputError, match=r"gone\.json: cannot be read \(No such file"):
+    with pytest.raises(InputError, match=r"gone\.json: does not exist"):
         load(tmp_path / "gone.json")
 
 

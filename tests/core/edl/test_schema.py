@@ -174,9 +174,9 @@ def full() -> dict[str, Any]:
 
 # (path that is set, wrong value, path it is refused at when another, words of the message, does the JSON Schema know?)
 WRONG = [
-    ("$.frames", 0, None, "must be 1 or more, got 0", True),
+    ("$.frames", 0, None, "must be 1 to 50000000, got 0", True),
     ("$.frames", 99, "$.poses", "poses must tile [0, 99): they end at frame 100", False),
-    ("$.size[1]", -2, None, "must be 1 or more, got -2", True),
+    ("$.size[1]", -2, None, "must be 1 to 16384, got -2", True),
     ("$.size[1]", True, None, "expected a whole number, got true", True),
     ("$.size[1]", 1080.0, None, "expected a whole number, got 1080.0", False),  # to JSON Schema 1080.0 is whole
     ("$.shots[0].score", True, None, "expected a number, got true", True),
@@ -187,16 +187,27 @@ WRONG = [
     ("$.rate", "fast", None, "expected a rate such as '30000/1001' or '25', got 'fast'", True),
     ("$.rate", "1e999999999", None, "expected a rate", True),
     ("$.rate", "-25", None, "expected a rate", True),
+    ("$.rate", "1/999999999", None, "a rate must lie in 0.01 to 1000 frames/s", False),
+    ("$.rate", "999999999", None, "a rate must lie in 0.01 to 1000 frames/s", False),
+    ("$.cameras[0].rate", "999999999/1", None, "a rate must lie in", False),
+    ("$.frames", 10**9, None, "must be 1 to 50000000, got 1000000000", True),
+    ("$.frames", 10**400, None, "expected a whole number of at most 18 digits, got 1000", True),
+    ("$.size", [10**6, 10**6], "$.size[0]", "must be 1 to 16384", True),
+    ("$.cameras[1].size", [320, 10**6], "$.cameras[1].size[1]", "must be 1 to 16384", True),
+    ("$.overrides[0].range", [5, 10**12], None, "ends after the programme's 100 frames", False),
+    ("$.overrides[0].offset", [1e300, 0], "$.overrides[0].offset[0]", "must be -10000000 to 10000000", False),
+    ("$.poses[0].homographies.cam2[0][2]", 1e300, None, "must be -10000000 to 10000000", False),
+    ("$.centering[1][1]", 1e30, None, "must be -10000000 to 10000000", False),
     ("$.reference", "cam9", None, "'cam9' is not a camera, expected one of cam1, cam2", False),
     ("$.cameras", [], None, "must not be empty", True),
     ("$.cameras[0].name", "", None, "must not be empty", True),
     ("$.cameras[1].name", "cam1", None, "a camera before it is also called 'cam1'", False),
     ("$.cameras[0].media", [], None, "must not be empty", True),
     ("$.cameras[0].media[0].path", "", None, "must not be empty", True),
-    ("$.cameras[0].media[0].frames", 0, None, "must be 1 or more", True),
+    ("$.cameras[0].media[0].frames", 0, None, "must be 1 to 50000000", True),
     ("$.cameras[0].clock.confidence", 1.01, None, "must be 0 to 1, got 1.01", True),
     ("$.cameras[0].clock.drift_ppm", -1e6, None, "must be -100000 to 100000", True),
-    ("$.cameras[0].clock.offset_s", 10**400, None, "expected a finite number", False),
+    ("$.cameras[0].clock.offset_s", 10**400, None, "expected a finite number", True),
     ("$.cameras[0].gaps[1]", [5, 8], None, "[5, 8) begins before the one before it ends at 6", False),
     ("$.cameras[0].gaps[1]", [6, 101], None, "ends after the programme's 100 frames", False),
     ("$.movements[1].range", [29, 50], None, "begins before the one before it ends at 30", False),
@@ -250,6 +261,34 @@ def test_a_value_that_breaks_a_rule_is_refused_where_it_stands(validator, path, 
     assert validator.is_valid(value) != schema_knows
 
 
+@pytest.mark.parametrize(
+    ("part", "count", "most"),
+    [
+        ("cameras", 100_000, 256),
+        ("shots", 100_001, 100_000),
+        ("overrides", 100_001, 100_000),
+        ("poses", 10_001, 10_000),
+    ],
+)
+def test_there_are_no_more_of_anything_than_an_operation_can_have(part, count, most):
+    """Also a programme that is as long as all that: the number is refused, not what it does to the rest."""
+    value = full()
+    value["frames"] = 1_000_000
+    one = value[part][0]
+    value[part] = [
+        {**one, "name": f"cam{n}"} if part == "cameras" else {**one, "range": [n, n + 1]} for n in range(count)
+    ]
+    with pytest.raises(DocumentError, match=f"holds {count}, at most {most} are taken"):
+        from_json(value)
+
+
+def test_a_programme_of_more_than_two_days_is_refused():
+    value = full()
+    value["rate"], value["frames"] = "1/100", 20_000
+    with pytest.raises(DocumentError, match=r"\$\.frames: 2e\+06 s are longer than two days"):
+        from_json(value)
+
+
 def test_the_reference_camera_must_have_its_homography_even_where_it_is_called_weak():
     value = full()
     value["poses"][1]["weak"].append({"camera": "cam1", "reason": "out of focus"})
@@ -265,7 +304,8 @@ def test_several_faults_are_counted_and_the_first_is_shown():
     with pytest.raises(DocumentError) as refused:
         from_json(value, where="a.json")
     assert str(refused.value) == (
-        'a.json at $.size[0]: expected a whole number, got "wide" (and 2 more faults). '
+        "a.json at $.more: unknown key, expected one of rate, size, frames, reference, cameras, movements, poses, "
+        "shots, overrides, corrections, look, centering, scores, made_by (and 2 more faults). "
         "Correct the value; docs/ describes the EDL (edl.md)"
     )
 

@@ -176,6 +176,14 @@ def test_by_hand_every_camera_comes_where_it_was_put(edl: Edl) -> None:
         ({"camera": "b", "transform": {"scale": "big"}}, "expected a number"),
         ({"camera": "b", "points": [[1, 2, 3]] * 4}, "expected 4 values, got 3"),
         ({"camera": "b", "scale": 2}, "unknown key"),
+        ({"camera": "b", "homography": [[1, 0, 3], [2, 0, 4], [0, 0, 1]]}, "is singular or nearly so"),
+        ({"camera": "b", "homography": [[1, 0, 3], [1, 1e-9, 4], [0, 0, 1]]}, "is singular or nearly so"),
+        ({"camera": "b", "homography": [[1, 0, 3], [0, 1, 4], [0, 0, 0]]}, "is singular or nearly so"),
+        ({"camera": "b", "homography": [[1, 0, 3], [0, 1, 4], [0.01, 0, -1]]}, "behind the viewer"),
+        ({"camera": "a", "homography": [[1e30, 0, 3], [0, 1e30, 4], [0, 0, 1]]}, "or huge. Correct the numbers"),
+        ({"camera": "b", "transform": {"scale": 0}}, "is singular or nearly so"),
+        ({"camera": "b", "transform": {"scale": 1, "scale_y": 1e-7}}, "is singular or nearly so"),
+        ({"camera": "b", "points": [[*p[:2], 1e308, 5] for p in POINTS]}, "a point lies at 1e+308 pixels"),
     ],
 )
 def test_what_is_wrong_in_a_file_is_named(edl: Edl, tmp_path: Path, entry: dict, message: str) -> None:
@@ -192,12 +200,36 @@ def test_what_is_wrong_in_a_file_is_named(edl: Edl, tmp_path: Path, entry: dict,
         ("camera,x,y\nb,1,2\n", "lacks columns"),
         ("camera,x,y,programme_x,programme_y\nb,1,2,3,four\n", "line 2"),
         ("camera,x,y,programme_x,programme_y\nb,1,2,3,4\n", "four or more"),
+        ("camera,x,y,programme_x,programme_y\nb,1,2,3,nan\n", "line 2: 'nan' is no number"),
+        ("camera,x,y,programme_x,programme_y\nb,1,2,3,1e999\n", "line 2: '1e999' is too large"),
+        ("camera,x,y,programme_x,programme_y\nb,1,2,3\n", "line 2: '' is no number"),
+        ("pose,camera,x,y,programme_x,programme_y\none,b,1,2,3,4\n", "line 2: 'one' is no pose"),
+        ("camera,x,y,programme_x,programme_y\n", "holds no point pairs"),
     ],
 )
 def test_what_is_wrong_in_a_csv_file_is_named(edl: Edl, tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(McslError) as refused:
         load_manual(write(tmp_path / "m.csv", text), edl)
     assert message in str(refused.value)
+
+
+@pytest.mark.parametrize("side", [0, 1])
+@pytest.mark.parametrize("wide", [0.0, 1e-7, 1e-2])
+def test_points_nearly_on_a_line_fix_no_homography(edl: Edl, tmp_path: Path, side: int, wide: float) -> None:
+    line = [[100.0 * n, 50.0 * n + wide * (n % 2)] for n in range(5)]
+    spread = [[0.0, 0], [600, 10], [20, 300], [500, 330], [300, 100]]
+    points = [[*a, *b] if side else [*b, *a] for a, b in zip(line, spread, strict=True)]
+    path = write(tmp_path / "m.json", {"alignments": [{"camera": "b", "points": points}]})
+    with pytest.raises(McslError, match=r"the points lie on a line\. Take points that are spread"):
+        load_manual(path, edl, fit="homography")
+
+
+def test_alignments_that_do_not_go_together_are_told(edl: Edl) -> None:
+    """Each lays its own camera's picture well; through the other's, this one's corner lies at infinity."""
+    anchor = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (-0.001, 0.0, 1.0))
+    moved = ((1.0, 0.0, -1000.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    with pytest.raises(McslError, match="pose 0: the cameras' alignments by hand do not go together"):
+        aligned_by_hand(edl, {n: {"a": anchor, "b": moved} for n in (0, 1)})
 
 
 def test_a_fit_that_there_is_not_lists_those_that_there_are(edl: Edl, tmp_path: Path) -> None:

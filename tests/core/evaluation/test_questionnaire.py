@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from itertools import product
 from pathlib import Path
 
@@ -125,6 +126,38 @@ def test_separators_of_spreadsheets_are_read(tmp_path: Path) -> None:
         assert analyse_questionnaire(write(tmp_path, "\ufeff" + text.replace(",", separator))) == plain
 
 
+FAULTS = Path(__file__).parents[3].parent / "shared" / "data" / "faults" / "ratings"
+WRITTEN_OTHERWISE = {
+    "trailing separators": lambda text: text.replace("\n", ",,\n"),
+    "empty lines of a spreadsheet": lambda text: text.replace("\n", "\r\n") + ",,,,\r\n,,,,\r\n",
+    "UTF-16": lambda text: text.replace(",", "\t").encode("utf-16"),
+    "UTF-16, the other order": lambda text: b"\xfe\xff" + text.encode("utf-16-be"),
+    "decimals": lambda text: re.sub(r",(\d)\n", r",\1.0\n", text),
+    "decimal commas": lambda text: re.sub(r";(\d)\n", r";\1,00\n", text.replace(",", ";")),
+    "quotation marks": lambda text: re.sub(r"(p\d)", r'"\1"', text),
+    "blanks": lambda text: text.replace(",", " , "),
+    "old Macintosh": lambda text: text.replace("\n", "\r"),
+}
+
+
+@pytest.mark.parametrize("name", WRITTEN_OTHERWISE)
+def test_ratings_as_spreadsheets_write_them_are_the_same_ratings(tmp_path: Path, name: str) -> None:
+    text = table({"a": [1] * 6, "b": [2, 3, 4, 5, 5, 5]})
+    plain = analyse_questionnaire(write(tmp_path, text))
+    other = WRITTEN_OTHERWISE[name](text)
+    path = tmp_path / "other.csv"
+    path.write_bytes(other if isinstance(other, bytes) else other.encode())
+    assert analyse_questionnaire(path) == plain
+
+
+@pytest.mark.parametrize("name", ["trail", "u16", "float"])
+def test_the_odd_files_that_were_reported_are_read(name: str) -> None:
+    if not FAULTS.is_dir():
+        pytest.skip("the material is not here")
+    (result,) = analyse_questionnaire(FAULTS / f"s_{name}.csv")
+    assert (result.participants, len(result.pairs)) == (8, 3)
+
+
 FULL = {"a": [1, 2, 3, 4, 5, 1], "b": [2, 2, 3, 3, 5, 5]}
 
 
@@ -140,6 +173,10 @@ FULL = {"a": [1, 2, 3, 4, 5, 1], "b": [2, 2, 3, 3, 5, 5]}
         (table({"a": FULL["a"]}), "has one method only"),
         (table(FULL).replace("factor", "question", 1), "lacks the column factor"),
         ("participant,video,factor,method,rating\n", "holds no ratings"),
+        ("", "is empty. The first line is participant,"),
+        (table(FULL) + ",1,comfort,a,3\n", "line 14: names no participant"),
+        (table(FULL) + "p6,1,comfort,a,3,4\n", "line 14: has 6 cells"),
+        (table(FULL) + 'p6,1,"comfort,a,3\n', "line 14: a quotation mark is opened and not closed"),
         (table(FULL) + table({"a": FULL["a"]}, video="2").partition("\n")[2], "lacks the rating of b by p0, b by p1"),
     ],
 )
@@ -150,5 +187,5 @@ def test_what_is_wrong_is_named(tmp_path: Path, text: str, message: str) -> None
 
 
 def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(McslError, match="cannot be read"):
+    with pytest.raises(McslError, match="does not exist"):
         analyse_questionnaire(tmp_path / "none.csv")
