@@ -38,9 +38,11 @@ from mcsl_core.edl.dependencies import (
 )
 from mcsl_core.edl.placement import still_range
 from mcsl_core.edl.resolve import Decision, resolve_by_pose, shift_at
+from mcsl_core.errors import MediaError
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.protocol import Filler
 from mcsl_core.media.fingerprint import FORMER, fingerprint
+from mcsl_core.media.probing import conversions_of
 from mcsl_core.timing import FrameRange, merge_equal
 
 from .quality import QUALITIES, STANDARD, Quality
@@ -200,7 +202,19 @@ class _Facts:
         return [view.camera.name, self._files(view.camera.name), list(view.camera.size), view.clock, view.gaps]
 
     def _files_now(self, name: str) -> list[str]:
-        return media_fingerprints(self.edl.camera(name), self.base)
+        camera = self.edl.camera(name)
+        return [
+            *media_fingerprints(camera, self.base),
+            *(how for m in camera.media for how in _how_read(self.base / m.path)),
+        ]
+
+
+def _how_read(path: Path) -> tuple[str, ...]:
+    """What is done to a file's pictures that is not done to all: nothing for most, whose chunks keep their names."""
+    try:
+        return conversions_of(path)
+    except MediaError:  # told by whoever reads its pictures
+        return ()
 
 
 def _digest(value: Any) -> str:

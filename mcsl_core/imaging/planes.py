@@ -207,6 +207,18 @@ def turn_planes(planes: Planes, degrees: int) -> Planes:
     return Planes(cv2.rotate(planes.y, code), chroma(planes.u), chroma(planes.v))  # pyright: ignore
 
 
+def mirror_planes(planes: Planes) -> Planes:
+    """``planes`` mirrored left to right, chroma resampled to its own siting again."""
+    width = planes.u.shape[1]
+
+    def chroma(plane: U8) -> U8:
+        flipped = cv2.flip(plane, 1)  # its samples now lie on odd columns: each is moved half a sample to the left
+        before = cv2.copyMakeBorder(flipped, 0, 0, 1, 0, cv2.BORDER_REPLICATE)[:, :width]
+        return cv2.addWeighted(flipped, 0.5, before, 0.5, 0)  # pyright: ignore[reportReturnType]
+
+    return Planes(cv2.flip(planes.y, 1), chroma(planes.u), chroma(planes.v))  # pyright: ignore
+
+
 def blurred(planes: Planes, sigma_px: float) -> Planes:
     """``planes`` under a Gaussian blur of ``sigma_px`` luma pixels."""
     sigmas = (sigma_px, sigma_px / 2, sigma_px / 2)

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from fractions import Fraction
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
 from .tracks import AudioTrack
+
+Scan = Literal["unflagged", "flagged", "progressive", "top", "bottom"]
+"""Which frames are interlaced: none, as far as is known, or those that say so; none, whatever they say; all, the top or
+the bottom field first."""
 
 _COMMON = sorted(
     {Fraction(n) for n in (*range(1, 61), 72, 90, 100, 120, 144, 200, 240)}
@@ -62,6 +67,12 @@ class MediaFacts:
     decoding_order
         Whether its timestamps are in the order of decoding though pictures are shown in another (H.264 in AVI): then
         the n-th picture shown has the n-th smallest of them.
+    scan
+        Which of its frames are interlaced.
+    mirrored
+        Whether the coded picture is mirrored, left to right, before it is turned.
+    colour
+        What its colours are where they have to be converted to BT.709, such as "hlg"; else empty.
 
     Notes
     -----
@@ -90,6 +101,9 @@ class MediaFacts:
     timecode: str | None
     truncated: bool
     decoding_order: bool = False
+    scan: Scan = "unflagged"
+    mirrored: bool = False
+    colour: str = ""
 
     @property
     def duration_s(self) -> float:
@@ -100,6 +114,13 @@ class MediaFacts:
     def has_audio(self) -> bool:
         """Whether there is an audio track that can be decoded."""
         return any(track.can_be_decoded for track in self.audio_tracks)
+
+    @property
+    def conversions(self) -> tuple[str, ...]:
+        """What is done to its pictures, beside what is done to all: they are others than without."""
+        interlaced = self.scan in ("flagged", "top", "bottom")
+        done = {f"deinterlaced {self.scan}": interlaced, "mirrored": self.mirrored, self.colour: bool(self.colour)}
+        return tuple(name for name, applies in done.items() if applies)
 
     @property
     def tolerance_s(self) -> Fraction:

@@ -9,7 +9,7 @@ import av
 import numpy as np
 from av.video.reformatter import Colorspace, VideoReformatter
 
-from mcsl_core.imaging.planes import Planes, resize_planes, turn_planes
+from mcsl_core.imaging.planes import Planes, mirror_planes, resize_planes, turn_planes
 
 from .facts import MediaFacts
 
@@ -62,6 +62,8 @@ def to_planes(frame: Any, facts: MediaFacts) -> Planes:
         for p in frame.planes
     )
     planes = resize_planes(Planes(y, u, v), upright)
+    if facts.mirrored:
+        planes = mirror_planes(planes)
     return turn_planes(planes, facts.rotation) if facts.rotation else planes
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import logging
 from fractions import Fraction
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,8 @@ from mcsl_core.errors import MediaError
 
 from .facts import MediaFacts, displayed_size, is_variable
 from .opening import main_video, open_file, refuse_raw, time_origin_of, timestamp_of
+from .orientation import orientation_of
+from .scan import scan_of
 from .timestamps import frame_rate
 from .tracks import AudioTrack, audio_tracks
 
@@ -48,6 +51,7 @@ class _Header:
     coded_size: tuple[int, int]
     sample_aspect: Fraction
     rotation: int
+    mirrored: bool
     codec: str
     pixel_format: str
     audio_tracks: tuple[AudioTrack, ...]
@@ -125,7 +129,20 @@ def probe(path: str | Path) -> MediaFacts:
         timecode=header.timecode,
         truncated=packets.truncated,
         decoding_order=header.decoding_order,
+        scan=scan_of(path, rate),
+        mirrored=header.mirrored,
     )
+
+
+def conversions_of(path: Path) -> tuple[str, ...]:
+    """`MediaFacts.conversions` of a file, kept for the run; raises as `probe` does."""
+    state = path.stat()
+    return _conversions_of(path, state.st_size, state.st_mtime_ns)
+
+
+@lru_cache(maxsize=1024)
+def _conversions_of(path: Path, _size: int, _changed_ns: int) -> tuple[str, ...]:
+    return probe(path).conversions
 
 
 def _read_header(path: Path) -> _Header:
@@ -140,6 +157,7 @@ def _read_header(path: Path) -> _Header:
         begin = (timestamp_of(first) or 0) * stream.time_base
         if container.format.name == "avi":  # it has no presentation times; FFmpeg makes them up, and late with H.264
             zero = begin
+        rotation, mirrored = orientation_of(first)
         return _Header(
             tick=stream.time_base,
             zero_s=zero,
@@ -150,7 +168,8 @@ def _read_header(path: Path) -> _Header:
             index=index,
             coded_size=(first.width, first.height),
             sample_aspect=stream.sample_aspect_ratio or Fraction(1),
-            rotation=round(first.rotation / 90) * 90 % 360,
+            rotation=rotation,
+            mirrored=mirrored,
             codec=stream.codec_context.name,
             pixel_format=first.format.name,
             audio_tracks=audio_tracks(container),

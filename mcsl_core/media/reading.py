@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import logging
 from collections.abc import Iterator
 from fractions import Fraction
@@ -10,11 +11,14 @@ from typing import Any
 import numpy as np
 from av.error import FFmpegError
 
+from .deinterlacing import deinterlaced, is_woven
 from .facts import MediaFacts
 from .opening import main_video, open_file, timestamp_of
 from .reordering import ShownOrder
 
 log = logging.getLogger(__name__)
+
+_REORDERED = 32  # packets to read until the frame that is shown after a keyframe has come
 
 
 class VideoReader:
@@ -31,7 +35,7 @@ class VideoReader:
 
     Notes
     -----
-    Frames are `av.VideoFrame`; `to_planes` makes pictures of them.
+    Frames are `av.VideoFrame`, interlaced ones made whole (`deinterlacing`); `to_planes` makes pictures of them.
 
     Examples
     --------
@@ -44,6 +48,7 @@ class VideoReader:
         self.facts, self._threads = facts, threads
         self._skip = "" if facts.decoding_order else skip  # what is left out could not be counted
         self._keys: list[int] = []
+        self._woven = False  # whether a keyframe was
         self._reopen()
 
     def _reopen(self) -> None:
@@ -76,7 +81,8 @@ class VideoReader:
         Notes
         -----
         Seeks to a keyframe before ``from_s`` and decodes forward. Containers seek by decoding time, which with B-frames
-        can land on a keyframe that is shown later than asked: then it goes back further.
+        can land on a keyframe that is shown later than asked: then it goes back further. So it does where an interlaced
+        keyframe is asked for, since the frame before it is needed.
         """
         goal, back = from_s + self.facts.tolerance_s, Fraction(0)
         while True:
@@ -85,7 +91,7 @@ class VideoReader:
             if at_start and not self._fresh:
                 self.close()
                 self._reopen()
-            frames = self._decoded()
+            frames = deinterlaced(self._decoded(), self.facts.scan, from_start=at_start)
             shown = next(frames, None)
             if at_start or (shown is not None and shown[0] <= goal):
                 break
@@ -168,16 +174,40 @@ class VideoReader:
             target = min(keys[max(0, at - 1) : at + 1], key=lambda stamp: abs(stamp - target))
         else:
             target += int(Fraction(self.facts.keyframe_interval_s) / 2 / tick)
-        context = self._stream.codec_context
         try:
-            self._container.seek(target, stream=self._stream)
-            packet = next((p for p in self._container.demux(self._stream) if p.is_keyframe and p.size), None)
-            if packet is None:
-                return None
-            frames = [*context.decode(packet), *context.decode(None)]
-            context.flush_buffers()
+            frames = self._keyframe_and_next(target)
         except FFmpegError as error:
             log.warning("%s: no keyframe at %.1f s (%s)", self.facts.path.name, float(near_s), error.strerror)
             return None
         self._fresh = False
-        return (timestamp_of(frames[0]) * tick - self.facts.zero_s, frames[0]) if frames else None
+        times = ((timestamp_of(frame) * tick - self.facts.zero_s, frame) for frame in frames)
+        return next(deinterlaced(times, self.facts.scan, from_start=True), None)
+
+    def _keyframe_and_next(self, target: int) -> list[Any]:
+        """The keyframe before ``target`` ticks; where it is interlaced, also the frame shown next."""
+        context = self._stream.codec_context
+        self._container.seek(target, stream=self._stream)
+        packets = self._container.demux(self._stream)
+        first = next((p for p in packets if p.is_keyframe and p.size), None)
+        if first is None:
+            return []
+        frames = context.decode(first)
+        if self._woven:
+            for packet in itertools.islice((p for p in packets if p.size), _REORDERED):
+                frames += context.decode(packet)
+                if len(_from(frames, first)) > 1:
+                    break
+        frames += context.decode(None)
+        context.flush_buffers()
+        shown = _from(frames, first)[:2]
+        if shown and not self._woven and is_woven(shown[0], self.facts.scan):
+            self._woven = True
+            return self._keyframe_and_next(target)
+        return shown
+
+
+def _from(frames: list[Any], keyframe: Any) -> list[Any]:
+    """Those shown from the keyframe, a packet, on; all that have a time where it has none."""
+    begin = timestamp_of(keyframe)
+    stamped = [(stamp, frame) for frame in frames if (stamp := timestamp_of(frame)) is not None]
+    return [f for stamp, f in stamped if begin is None or stamp >= begin] or [f for _, f in stamped]
