@@ -27,6 +27,14 @@ hypothesis.settings.register_profile(
 hypothesis.settings.load_profile("mcsl")
 
 
+@pytest.fixture(autouse=True, scope="session")
+def state_of_user(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What mcsl remembers for its user lies in a folder of the tests, for the children they start as well."""
+    folder = tmp_path_factory.mktemp("state")
+    os.environ["MCSL_STATE"] = str(folder)
+    return folder
+
+
 @pytest.fixture(autouse=True)
 def logged_errors() -> Iterator[list[logging.LogRecord]]:
     """Every record of level ERROR or above that was logged during the test; what is left in it fails the test.

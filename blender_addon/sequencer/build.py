@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from mcsl_core.blender.messages import ConformedPiece
+from mcsl_core.edl.playlists import list_kind
 from mcsl_core.errors import BlenderError, InputError
 
 from ..core.strip_plan import AUDIO_CHANNEL, FIRST_CAMERA_CHANNEL, CameraTrack, StripPlan, automatic_to_text, tracks_key
@@ -124,6 +125,8 @@ def _camera(scene: Any, track: CameraTrack, base: Path) -> list[str]:
 def _movie(scene: Any, name: str, path: Path, channel: int, start: int) -> Any:
     if not path.is_file():
         raise InputError("is missing", where=str(path), remedy="Put the file back, or correct the EDL's media paths")
+    if kind := list_kind(path):  # Blender would open what it leads to
+        raise InputError(f"is {kind}; what it leads to is not opened", where=str(path), remedy="Name the video itself")
     strip = scene.sequence_editor.strips.new_movie(
         name=name, filepath=str(path), channel=channel, frame_start=start + 1, fit_method="ORIGINAL"
     )

@@ -45,7 +45,7 @@ def analyse(
     Cancelled with nothing written.
     """
     chosen = _chosen(settings, plugins)
-    before = edl.load(out) if out.exists() else None
+    before = edl.read(out) if out.exists() else None
     cameras = open_cameras(recording, out.parent, progress)
     reference = choose_reference(cameras, settings.reference)
     out.parent.mkdir(parents=True, exist_ok=True)  # media paths lead through it
@@ -93,6 +93,8 @@ def analyse(
     made = attrs.evolve(made, centering=by["centerer"].centre(positions, size=made.size, rate=float(rate)))
     Measurements(table, detection.curve).save(out.with_name(f"{out.stem}.scores.npz"))
     edl.save(made, out)
+    if not edl.remember(made, out):
+        progress.note("that this EDL was made here cannot be remembered: other commands will want --allow-outside")
     return made
 
 

@@ -78,7 +78,7 @@ def analyse(
         plugins=plugins or discover(),
         progress=progress or Silent(),
     )
-    return open(edl_path)
+    return open(edl_path, allow_outside=True)  # it was made here, even where that cannot be remembered
 
 
 def _check_settings(settings: object, stages: Mapping[str, str]) -> None:
@@ -95,15 +95,23 @@ def _check_settings(settings: object, stages: Mapping[str, str]) -> None:
         )
 
 
-def open(path: str | Path) -> Programme:
+def open(path: str | Path, *, allow_outside: bool = False) -> Programme:
     """The programme of the EDL at ``path``; InputError where it is none. Media are opened when needed.
+
+    Parameters
+    ----------
+    path : str or Path
+        The EDL.
+    allow_outside : bool
+        Its media may lie outside of its folder, though it was not made here by `analyse`: you trust who wrote it. It is
+        remembered for this EDL.
 
     Examples
     --------
     >>> with mcsl.open("edl.json") as p:
     ...     plt.imshow(p.frame(900))
     """
-    return Programme.open(path)
+    return Programme.open(path, allow_outside=allow_outside)
 
 
 def evaluate(

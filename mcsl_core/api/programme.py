@@ -57,11 +57,14 @@ class Programme:
         self._written: Edl | None = None
 
     @classmethod
-    def open(cls, path: str | Path) -> Programme:
-        """The programme of the EDL at ``path``; InputError where it is none."""
+    def open(cls, path: str | Path, *, allow_outside: bool = False) -> Programme:
+        """The programme of the EDL at ``path``; InputError where it is none.
+
+        allow_outside: its files may lie outside of its folder, though it was not made here; that is remembered.
+        """
         if not isinstance(path, str | PathLike):
             raise UsageError(f"an EDL is opened by its path, got {path!r}", remedy='Give it as mcsl.open("edl.json")')
-        programme = cls(edls.load(path), path)
+        programme = cls(edls.load(path, allow_outside=allow_outside), path)
         programme._written = programme.edl
         return programme
 
@@ -188,6 +191,7 @@ class Programme:
         made = rebased(self._edl, self.folder, target.parent)
         target.parent.mkdir(parents=True, exist_ok=True)
         edls.save(made, target)
+        edls.remember(made, target)
         if made != self._edl:
             self.close()  # they know the media by the paths of before
         self.path, self._edl, self._written = target, made, made

@@ -113,6 +113,7 @@ def pull_from(
         write_atomic(target, decided.edl.read_bytes())
     else:
         edls.save(moved, target)
+    edls.remember(moved, target)
     return target, moved
 
 

@@ -7,9 +7,25 @@ from typing import Any
 
 import click
 
+from mcsl_core import edl as edls
 from mcsl_core.hooks.stages import STAGES
 
 PATH = click.Path(path_type=Path)
+
+
+def _allow(ctx: click.Context, _parameter: click.Parameter, given: bool) -> None:
+    if given:
+        ctx.with_resource(edls.allowed_outside())
+
+
+allow_outside = click.option(
+    "--allow-outside",
+    is_flag=True,
+    expose_value=False,
+    is_eager=True,
+    callback=_allow,
+    help="The EDL's media may lie outside of its folder, though it was not made here; remembered.",
+)
 
 
 class Commands(click.Group):

@@ -5,6 +5,7 @@ follows from a document stands beside: `resolve` (what holds after the editor's 
 pictures lie), `edits` (changes to a whole document).
 """
 
+from .outside import allowed_outside, remember
 from .schema import (
     IDENTITY,
     Camera,
@@ -24,7 +25,7 @@ from .schema import (
     Shot,
     Weak,
 )
-from .serialization import SCHEMA, dumps, from_json, load, loads, save, to_json
+from .serialization import SCHEMA, dumps, from_json, load, loads, read, save, to_json
 
 __all__ = [
     "IDENTITY",
@@ -45,10 +46,13 @@ __all__ = [
     "Pose",
     "Shot",
     "Weak",
+    "allowed_outside",
     "dumps",
     "from_json",
     "load",
     "loads",
+    "read",
+    "remember",
     "save",
     "to_json",
 ]

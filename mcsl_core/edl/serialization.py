@@ -16,6 +16,7 @@ from mcsl_core.documents import (
 )
 from mcsl_core.errors import DocumentError
 
+from .outside import check_inside
 from .schema import Edl
 
 SCHEMA = "mcsl.edl/1"
@@ -75,13 +76,20 @@ def loads(text: str, *, where: str = "") -> Edl:
     return from_json(parse_json(text, where=where), where=where)
 
 
-def load(path: str | Path) -> Edl:
+def load(path: str | Path, *, allow_outside: bool = False) -> Edl:
     """Reads, upgrades and checks an EDL.
+
+    Parameters
+    ----------
+    path
+        Its file.
+    allow_outside
+        Its files may lie outside of its folder though it was not made here; see `outside`. It is remembered.
 
     Raises
     ------
     InputError
-        Where the file cannot be read.
+        Where the file cannot be read, or names files where it may not.
     DocumentError
         With the path to the wrong value and what was expected.
 
@@ -91,6 +99,13 @@ def load(path: str | Path) -> Edl:
     >>> edl.frames, [camera.name for camera in edl.cameras]  # doctest: +SKIP
     (178721, ['cam1', 'cam2', 'cam3'])
     """
+    edl = read(path)
+    check_inside(edl, Path(path), allow=allow_outside)
+    return edl
+
+
+def read(path: str | Path) -> Edl:
+    """As `load`, wherever its files lie: for who opens none of them."""
     return from_json(read_json(Path(path), wanted="an EDL", remedy=_REMEDY), where=str(path))
 
 

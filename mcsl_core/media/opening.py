@@ -11,6 +11,7 @@ from av.error import ArgumentError, FFmpegError, InvalidDataError
 from av.format import Flags
 from av.stream import Disposition
 
+from mcsl_core.edl.playlists import list_kind
 from mcsl_core.errors import MediaError
 
 _RUNNING_CLOCKS = {"mpegts", "mpeg", "mpegtsraw", "asf", "rtp", "flv"}  # formats whose timestamps start anywhere
@@ -22,18 +23,6 @@ _CONTAINERS = (
 _STREAMS = "ivf,mpegvideo,m4v,h263,h264,hevc,vvc,evc,av1,obu,vc1,mjpeg,yuv4mpegpipe,cavsvideo,dirac,dnxhd"
 _SOUNDS = "wav,w64,aac,ac3,eac3,mp3,flac,caf,aiff,au"
 _OPENED = {"protocol_whitelist": "file", "format_whitelist": f"{_CONTAINERS},{_STREAMS},{_SOUNDS}"}
-_LISTS = {
-    b"#EXTM3U": "a playlist (HLS)",
-    b"ffconcat": "a list of files (ffconcat)",
-    b"v=0": "a description of a network stream (SDP)",
-    b"<?xml": "a description in XML (such as DASH or IMF)",
-    b"<MPD": "a playlist (DASH)",
-    b"<ASX": "a playlist (ASX)",
-    b"[playlist]": "a playlist (PLS)",
-    b"[Reference]": "a playlist (ASF)",
-    b"RTSPtext": "a link to a network stream",
-    b"# mpv EDL": "a list of files (EDL)",
-}
 _LATEST_START_S = 10  # what starts later is no late start: its clock went on from an earlier file, or from midnight
 _STILLS = Disposition.attached_pic | Disposition.timed_thumbnails | Disposition.still_image
 
@@ -66,7 +55,7 @@ def open_file(path: Path) -> Any:
         return av.open(local_url(path), "r", container_options=_OPENED)
     except FFmpegError as error:
         refused = isinstance(error, ArgumentError | InvalidDataError)
-        if refused and (kind := _list_kind(path)):
+        if refused and (kind := list_kind(path)):
             raise MediaError(
                 f"is {kind}; what it leads to is not opened",
                 where=str(path),
@@ -86,16 +75,6 @@ def open_file(path: Path) -> Any:
             if missing
             else "It may be cut short or no video: copy it again from the recorder, or leave it out",
         ) from error
-
-
-def _list_kind(path: Path) -> str | None:
-    """What a file is called that names other files in place of holding pictures; None where it is no such list."""
-    try:
-        with path.open("rb") as stream:
-            begin = stream.read(256).removeprefix(b"\xef\xbb\xbf").lstrip()
-    except OSError:
-        return None
-    return next((kind for mark, kind in _LISTS.items() if begin.lower().startswith(mark.lower())), None)
 
 
 def main_video(container: Any, path: Path) -> Any:

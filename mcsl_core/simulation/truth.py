@@ -238,7 +238,9 @@ def load_truth(path: Path | str) -> Truth:
         document = json.loads(path.read_text(encoding="utf-8"))
         if document.get("schema") != SCHEMA:
             raise ValueError(f"schema is {document.get('schema')!r}, expected {SCHEMA!r}")
-        with np.load(path.parent / document["arrays"]) as stored:
+        if Path(document["arrays"]).name != document["arrays"]:
+            raise ValueError(f"its arrays lie beside it, not at {document['arrays']!r}")
+        with np.load(path.parent / document["arrays"], allow_pickle=False) as stored:
             arrays = dict(stored)
         return _structure(document, arrays)
     except (OSError, ValueError, KeyError, TypeError) as error:

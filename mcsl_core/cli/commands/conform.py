@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 import mcsl_core as mcsl
-from mcsl_core.cli.options import PATH
+from mcsl_core.cli.options import PATH, allow_outside
 from mcsl_core.cli.output import Session
 
 
@@ -19,6 +19,7 @@ from mcsl_core.cli.output import Session
 )
 @click.option("--jobs", type=click.IntRange(min=1), help="Chunks made at the same time (default: one a core).")
 @click.option("--prune", is_flag=True, help="Delete chunks that the EDL no longer needs.")
+@allow_outside
 @click.pass_obj
 def conform(session: Session, edl: Path, out: Path | None, quality: str, jobs: int | None, prune: bool) -> None:
     """Make the exact programme pictures of EDL.

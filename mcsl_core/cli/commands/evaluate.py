@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 import mcsl_core as mcsl
-from mcsl_core.cli.options import PATH
+from mcsl_core.cli.options import PATH, allow_outside
 from mcsl_core.cli.output import Session
 from mcsl_core.errors import UsageError
 
@@ -45,6 +45,7 @@ from mcsl_core.errors import UsageError
 @click.option("--study", type=PATH, help="Test the ratings of a viewers' questionnaire (CSV) instead.")
 @click.option("--csv", "csv_file", type=PATH, help="Write the figures as CSV.")
 @click.option("--json", "json_file", type=PATH, help="Write the figures as JSON (mcsl report takes it).")
+@allow_outside
 @click.pass_obj
 def evaluate(
     session: Session, edl: Path | None, study: Path | None, csv_file: Path | None, json_file: Path | None, **how: Any

@@ -11,7 +11,7 @@ import attrs
 import click
 
 from mcsl_core import edl as edls
-from mcsl_core.cli.options import PATH
+from mcsl_core.cli.options import PATH, allow_outside
 from mcsl_core.cli.output import Session
 from mcsl_core.edl import Edl, Override
 from mcsl_core.edl.edits import change_look
@@ -106,6 +106,7 @@ def _word(on: bool) -> str:
 @click.option("--centre", metavar="DX,DY", help="Shift by this much in programme pixels, in place of the automatic.")
 @click.option("--from", "start", metavar="TIME", help="Only from here on: 1:02:03.5 or seconds.")
 @click.option("--to", "stop", metavar="TIME", help="Only up to here.")
+@allow_outside
 @click.pass_obj
 def look(session: Session, edl: Path, **how: Any) -> None:
     """Switch the visual aids of EDL on or off, without analysing again.

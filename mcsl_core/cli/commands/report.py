@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 import mcsl_core as mcsl
-from mcsl_core.cli.options import PATH
+from mcsl_core.cli.options import PATH, allow_outside
 from mcsl_core.cli.output import Session
 
 
@@ -15,6 +15,7 @@ from mcsl_core.cli.output import Session
 @click.argument("edl", type=PATH)
 @click.option("-o", "--out", type=PATH, required=True, help="The page (.html).")
 @click.option("--figures", type=PATH, help="From mcsl evaluate --json (default: measured at the switches).")
+@allow_outside
 @click.pass_obj
 def report(session: Session, edl: Path, out: Path, figures: Path | None) -> None:
     """Write a page about EDL that is read in a minute.

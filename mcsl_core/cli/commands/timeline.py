@@ -8,7 +8,7 @@ from shlex import quote
 import click
 
 import mcsl_core as mcsl
-from mcsl_core.cli.options import PATH
+from mcsl_core.cli.options import PATH, allow_outside
 from mcsl_core.cli.output import Session
 
 
@@ -18,6 +18,7 @@ from mcsl_core.cli.output import Session
 @click.option("--preset", default="h264", show_default=True, help="Render settings the file is given.")
 @click.option("--conformed", type=PATH, help="Folder of conformed media (default: beside the EDL, where present).")
 @click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
+@allow_outside
 @click.pass_obj
 def timeline(session: Session, edl: Path, out: Path, preset: str, conformed: Path | None, blender: str | None) -> None:
     """Build the Blender timeline of EDL."""
@@ -32,6 +33,7 @@ def timeline(session: Session, edl: Path, out: Path, preset: str, conformed: Pat
 @click.argument("blend", type=PATH)
 @click.option("-o", "--out", type=PATH, help="The EDL to write (default: the one the timeline was built from).")
 @click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
+@allow_outside
 @click.pass_obj
 def pull(session: Session, blend: Path, out: Path | None, blender: str | None) -> None:
     """Read the editor's changes in BLEND as overrides."""

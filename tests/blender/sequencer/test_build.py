@@ -14,6 +14,7 @@ from mcsl_core.blender.messages import ConformedPiece, TimelineRequest
 from mcsl_core.blender.timeline import build_timeline, pull_overrides
 from mcsl_core.delivery.presets import load_preset
 from mcsl_core.edl import IDENTITY, Override
+from mcsl_core.edl.edits import rebased
 from mcsl_core.errors import BlenderError, InputError, UsageError
 
 pytestmark = pytest.mark.both_blenders
@@ -113,6 +114,26 @@ def test_media_and_cameras_that_are_missing_are_named(project, blender):
         build_timeline(project / "edl.json", project / "edit.blend", blender=blender)
     assert not (project / "edit.blend").exists()
     assert not list(project.glob(".edit*"))
+
+
+def test_a_playlist_in_a_cameras_place_is_not_opened(project, blender):
+    (project / "cam3.mp4").write_text("ffconcat version 1.0\nfile cam2.mp4\n")
+    with pytest.raises(InputError, match=r"cam3\.mp4: is a list of files \(ffconcat\)"):
+        build_timeline(project / "edl.json", project / "edit.blend", blender=blender)
+    assert not (project / "edit.blend").exists()
+
+
+def test_blender_too_refuses_what_leads_out_of_the_edls_folder(project, blender, tmp_path_factory):
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+    edls.save(rebased(edls.load(project / "edl.json"), project, elsewhere), elsewhere / "edl.json")
+    request = TimelineRequest(
+        elsewhere / "edl.json", elsewhere / "edit.blend", (), None, preset=load_preset("h264"), output="a.mp4"
+    )
+    with pytest.raises(InputError, match="leads out of the EDL's folder"):
+        run_task(blender, request)
+    with edls.allowed_outside():
+        run_task(blender, request)
+    edls.load(elsewhere / "edl.json")
 
 
 def test_what_is_no_timeline_is_refused(project, blender):

@@ -77,7 +77,7 @@ def programme(films: Path, tmp_path: Path) -> mcsl.Programme:
     scores = ScoreTable(np.array([0, 10]), ("cam1", "cam2"), visible, np.ones((2, 2), bool))
     Measurements(scores, NO_CURVE).save(tmp_path / "edl.scores.npz")
     save(edl, tmp_path / "edl.json")
-    return mcsl.open(str(tmp_path / "edl.json"))
+    return mcsl.open(str(tmp_path / "edl.json"), allow_outside=True)  # its films are shared
 
 
 # ------------------------------------------------------------------------------------------------------- pictures
