@@ -1,8 +1,9 @@
 """Bringing the cameras' clocks onto the reference camera's.
 
 A camera's own time is (t - offset_s) * (1 + drift_ppm * 1e-6) at programme time t, which is the reference camera's
-own time. Three methods, the surest first: `timecode`, `audio`, `motion`. What is weak or ambiguous is refused with its
-reason, not guessed: then the camera is taken to start with the reference, and its clock says method none.
+own time. Three methods, the surest first: `timecode` (but a preset one after the sound), `audio`, `motion`. What is
+weak or ambiguous is refused with its reason, not guessed: then the camera is taken to start with the reference, and its
+clock says method none.
 """
 
 from __future__ import annotations
@@ -91,7 +92,8 @@ def synchronise(
             for note in footage.sound_track(camera.name).notes:
                 progress.note(f"{camera.name}: {note}")
     clocks = _found(METHODS[method], footage, reference, progress)
-    clocks |= _checked({n: c for n, c in clocks.items() if c.method == "timecode"}, footage, reference, progress)
+    by_timecode = {n: c for n, c in clocks.items() if c.method == "timecode"}
+    clocks |= _checked(by_timecode, footage, reference, progress, alone="audio" not in METHODS[method])
     used = [name for name in _FINDERS if any(c.method == name for c in clocks.values())]
     clocks[reference] = Clock(method=used[0], confidence=1.0) if used else Clock()
     return tuple(clocks.get(camera.name, Clock()) for camera in cameras)
@@ -117,9 +119,13 @@ def _found(methods: Sequence[str], footage: Footage, reference: str, progress: P
 
 
 def _checked(
-    by_timecode: Mapping[str, Clock], footage: Footage, reference: str, progress: Progress
+    by_timecode: Mapping[str, Clock], footage: Footage, reference: str, progress: Progress, *, alone: bool
 ) -> dict[str, Clock]:
-    """The clocks found by timecode, checked against the audio: what it contradicts keeps half of its confidence."""
+    """The clocks found by timecode, checked against the audio: what it contradicts keeps half of its confidence.
+
+    Where the labels are equal as well, they are what recorders were preset to, and the audio's clock is taken, unless
+    the timecode alone was asked for.
+    """
     if not by_timecode:
         return {}
     checked = dict(by_timecode)
@@ -130,12 +136,19 @@ def _checked(
         end = min(length_s(footage, reference), length_s(footage, name))
         apart = max(abs(clock.programme_time(t) - heard.programme_time(t)) for t in (0.0, end))
         # One picture is what a label leaves open; two for recorders that label late.
-        if apart > 2 / footage.camera(reference).rate:
+        picture_s = 1 / footage.camera(reference).rate
+        if apart <= 2 * picture_s:
+            checked[name] = attrs.evolve(clock, confidence=1.0)
+        elif abs(clock.offset_s) <= 2 * picture_s and not alone:
+            progress.note(
+                f"{name}: its timecode begins as {reference}'s does, but its sound says {1000 * apart:.0f} ms other "
+                "and was taken; --sync timecode goes by the timecode"
+            )
+            checked[name] = heard
+        else:
             progress.note(
                 f"{name}: its sound says {1000 * apart:.0f} ms other than its timecode, which was taken; "
                 "--sync audio goes by the sound"
             )
             checked[name] = attrs.evolve(clock, confidence=round(clock.confidence / 2, 3))
-        else:
-            checked[name] = attrs.evolve(clock, confidence=1.0)
     return checked

@@ -1,7 +1,8 @@
 """Clocks from SMPTE start timecodes: the label of a file's first frame, counted by all cameras from one midnight.
 
 Exact to the picture: two labels differ by whole pictures, in fractions of a second. What lies between two pictures
-no label says, so a clock is certain to within one picture. Only labels are read: the date in a file's header
+no label says, so a clock is certain to within one picture. Two recorders that both begin on the same hour, to the
+picture, were never set: 01:00:00:00 is what many come with. Only labels are read: the date in a file's header
 (creation_time) is in whole seconds, and with many recorders it is the time at which the file was *closed*.
 """
 
@@ -105,7 +106,8 @@ class _CameraTimecode:
     day_s: Fraction
     drop: bool
     drift: float
-    unset: bool  # 00:00:00:00: nobody has set it
+    label: str  # of its first picture
+    preset: bool  # on the hour to the picture, as recorders come from the factory
     picture: int  # within its second
 
 
@@ -156,8 +158,8 @@ def _clock(
     if (a.rate, a.drop) != (b.rate, b.drop):
         kinds = [f"{float(x.rate):.6g} pictures a second{', drop-frame' if x.drop else ''}" for x in (a, b)]
         raise Refusal(f"{reference} counts {kinds[0]}, {camera} {kinds[1]}")
-    if a.unset and b.unset:
-        raise Refusal("all begin at 00:00:00:00, as files do whose timecode nobody has set")
+    if a.preset and b.preset and a.label == b.label:
+        raise Refusal(f"all begin at {a.label}, as files do whose timecode nobody has set since the factory")
     if not every_frame and a.picture != b.picture:
         raise Refusal(f"it cannot be told whether the labels count all {float(a.rate):.6g} pictures or every other one")
     offset = (b.zero - a.zero + a.day_s / 2) % a.day_s - a.day_s / 2  # the shorter way round midnight
@@ -188,9 +190,12 @@ def _camera_timecode(parts: Sequence[Part], camera: str) -> _CameraTimecode:
         late = (since - own + day_s / 2) % day_s - day_s / 2
         points.append((float(own), float(late)))
     drift = _drift(points, float(1 / rate), camera)
-    nothing = first.count == 0
-    picture = int(_LABEL.fullmatch(parts[0].facts.timecode.strip())[5])  # pyright: ignore[reportOptionalSubscript]
-    return _CameraTimecode(start - parts[0].facts.start_s, rate, day_s, first.drop, drift, nothing, picture)
+    label = parts[0].facts.timecode.strip()
+    minutes, seconds, picture = (int(_LABEL.fullmatch(label)[i]) for i in (2, 3, 5))  # pyright: ignore[reportOptionalSubscript]
+    # Labels of further files are told apart by the sound alone: a clock that runs on has them as well.
+    on_the_hour = minutes == seconds == picture == 0 and len(points) == 1
+    zero = start - parts[0].facts.start_s
+    return _CameraTimecode(zero, rate, day_s, first.drop, drift, label, on_the_hour, picture)
 
 
 def _drift(points: Sequence[tuple[float, float]], picture_s: float, camera: str) -> float:

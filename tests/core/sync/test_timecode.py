@@ -6,6 +6,7 @@ from itertools import pairwise
 import av
 import numpy as np
 import pytest
+from coded_video import DATA
 from hypothesis import given
 from hypothesis import strategies as st
 from sync_sound import Notes, heard, room
@@ -134,6 +135,8 @@ def test_a_picture_that_starts_late_bears_the_label(tmp_path):
         (("10:00:00:00", None), "b has no timecode"),
         ((None, "10:00:00:00"), "a has no timecode"),
         (("00:00:00:00", "00:00:00:00"), "nobody has set"),
+        (("01:00:00:00", "01:00:00:00"), "nobody has set"),
+        (("10:00:00:00", "10:00:00:00"), "nobody has set"),
         (("10:00:00:00", "14:00:00:00"), "never together"),
         (("10:00:00:00", ["10:00:00:00", "10:05:00:00"]), "do not follow each other"),
     ],
@@ -232,6 +235,37 @@ def test_auto_goes_on_camera_by_camera(tmp_path):
     assert [c.method for c in clocks] == ["timecode", "timecode", "audio", "none"]
     assert clocks[2].offset_s == pytest.approx(3.0, abs=0.005)
     assert all(f"{way}: " in progress.notes[-1] for way in ("timecode", "audio", "motion"))
+
+
+def test_labels_that_are_equal_by_chance_of_the_clock_are_good(tmp_path):
+    """Recorders of one switcher start together and bear the time of day."""
+    clocks = synchronise("timecode", recorded(tmp_path, ("10:17:00:00", "10:17:00:00")), tmp_path)
+    assert (clocks[1].method, clocks[1].offset_s) == ("timecode", 0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("label", ["01:00:00:00", "00:00:00:00", "23:00:00:00", "08:12:34:05"])
+def test_the_sound_wins_over_a_timecode_that_all_recorders_were_preset_to(tmp_path, label):
+    source = room(45)
+    cameras = []
+    for name, offset in (("a", 0.0), ("b", 5.147)):
+        path = film(tmp_path / f"{name}.mov", label, pictures=800, sound=heard(source, (offset, 0.0), 32, ord(name)))
+        cameras.append(Camera(name, (Media(path.name, 800),), (64, 36), PAL))
+    progress = Notes()
+    clock = synchronise("auto", cameras, tmp_path, progress)[1]
+    assert (clock.method, clock.offset_s) == ("audio", pytest.approx(5.147, abs=0.003))
+    if label == "08:12:34:05":
+        assert "its sound says 5147 ms other and was taken" in progress.notes[0]
+    assert synchronise("timecode", cameras, tmp_path, progress)[1].offset_s == 0
+
+
+def test_recorders_preset_alike_in_the_world():
+    folder = DATA / "faults" / "timecode-preset"
+    if not folder.is_dir():
+        pytest.skip("the folder ../shared/data/faults/timecode-preset is not here")
+    cameras = [Camera(n, (Media(f"{n}.mov", 1000),), (96, 54), PAL) for n in ("cam1", "cam2")]
+    clock = synchronise("auto", cameras, folder)[1]
+    assert (clock.method, clock.offset_s) == ("audio", pytest.approx(5.147, abs=0.003))
 
 
 def test_the_oracle_itself_leaves_labels_out():
