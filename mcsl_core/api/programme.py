@@ -58,10 +58,7 @@ class Programme:
 
     @classmethod
     def open(cls, path: str | Path, *, allow_outside: bool = False) -> Programme:
-        """The programme of the EDL at ``path``; InputError where it is none.
-
-        allow_outside: its files may lie outside of its folder, though it was not made here; that is remembered.
-        """
+        """The programme of the EDL at ``path``; see `mcsl_core.open`."""
         if not isinstance(path, str | PathLike):
             raise UsageError(f"an EDL is opened by its path, got {path!r}", remedy='Give it as mcsl.open("edl.json")')
         programme = cls(edls.load(path, allow_outside=allow_outside), path)
