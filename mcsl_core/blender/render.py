@@ -22,6 +22,7 @@ from mcsl_core.edl import Edl
 from mcsl_core.errors import InputError, UsageError
 from mcsl_core.filling.provenance import ShowProvenance
 from mcsl_core.hooks.registry import filler_of
+from mcsl_core.media.stripping import strip
 from mcsl_core.media.writing import Encoding
 from mcsl_core.progress import Progress, Silent
 
@@ -191,8 +192,11 @@ def _direct(edl: Edl, edl_path: Path, out: Path, how: RenderSettings, progress: 
 
 def _in_blender(blend: Path, out: Path, preset: Preset, blender: Blender, progress: Progress) -> None:
     part = out.resolve().with_name(f".{out.stem}.part{out.suffix}")
+    clean = part.with_stem(f"{part.stem}.clean")
     try:
         run_task(blender, RenderRequest(blend=blend.resolve(), preset=preset, output=part), progress)
-        part.replace(out)
+        strip(part, clean)  # Blender's FFmpeg writes down its version and all that its encoders were told
+        clean.replace(out)
     finally:
         part.unlink(missing_ok=True)
+        clean.unlink(missing_ok=True)

@@ -20,10 +20,17 @@ from numpy.typing import NDArray
 from mcsl_core.errors import InputError, MediaError, UsageError
 from mcsl_core.imaging.planes import U8, Planes, bgr_to_planes
 
+from .banners import without_banner
 from .frames import BT709, LIMITED, frame_from_planes
 from .opening import local_url
 
-_FORMATS = {".mp4": "mp4", ".m4v": "mp4", ".mov": "mov", ".mkv": "matroska"}
+FORMATS = {".mp4": "mp4", ".m4v": "mp4", ".mov": "mov", ".mkv": "matroska"}
+
+
+def muxer_options(container_format: str) -> dict[str, str]:
+    """What a muxer is told: nothing that identifies or changes, and MP4s that a browser shows while they load."""
+    options = {"fflags": "+bitexact"}  # no muxer version, no random ids
+    return options if container_format == "matroska" else options | {"movflags": "+faststart+write_colr"}
 
 
 @frozen
@@ -110,11 +117,11 @@ class VideoWriter:
         self.frames = 0
         self.samples = 0
         self._keyframe_interval, self._audio_rate, self._channels = keyframe_interval, audio_rate, audio_channels
-        if self.path.suffix.lower() not in _FORMATS:
+        if self.path.suffix.lower() not in FORMATS:
             raise UsageError(
                 f"cannot write a {self.path.suffix or 'nameless'} file",
                 where=str(self.path),
-                remedy=f"Choose a name that ends in {', '.join(_FORMATS)}",
+                remedy=f"Choose a name that ends in {', '.join(FORMATS)}",
             )
         if min(size) <= 0 or size[0] % 2 or size[1] % 2:
             raise UsageError(
@@ -143,11 +150,8 @@ class VideoWriter:
         return self
 
     def _open(self) -> None:
-        container_format = _FORMATS[self.path.suffix.lower()]
-        options = {"fflags": "+bitexact"}  # no muxer version, no random ids
-        if container_format != "matroska":
-            options["movflags"] = "+faststart+write_colr"
-        self._container = av.open(local_url(self._part), "w", format=container_format, container_options=options)
+        kind = FORMATS[self.path.suffix.lower()]
+        self._container = av.open(local_url(self._part), "w", format=kind, container_options=muxer_options(kind))
         try:
             self._video = self._add_video()
             self._audio = self._add_audio() if self._audio_rate else None
@@ -162,7 +166,7 @@ class VideoWriter:
 
     def _add_video(self) -> Any:
         encoding = self.encoding
-        stream: Any = self._container.add_stream(encoding.codec, rate=self.rate, options=dict(encoding.options))
+        stream: Any = self._container.add_stream(encoding.codec, rate=self.rate, options=_quiet(encoding))
         context = stream.codec_context
         context.width, context.height = self.size
         context.pix_fmt = encoding.pixel_format
@@ -226,7 +230,10 @@ class VideoWriter:
 
     def _mux(self, stream: Any, frame: Any) -> None:
         try:
-            self._container.mux(stream.encode(frame))
+            for packet in stream.encode(frame):
+                clean = without_banner(packet, stream.codec_context.name, prefixed=False)
+                clean.stream = stream
+                self._container.mux(clean)
         except (FFmpegError, OSError) as error:
             raise MediaError(
                 f"writing failed after {self.frames} frames ({error})",
@@ -267,3 +274,13 @@ class VideoWriter:
         os.umask(umask)
         self._part.chmod(0o666 & ~umask)
         self._part.replace(self.path)
+
+
+def _quiet(encoding: Encoding) -> dict[str, str]:
+    """The encoder's options, with which it does not write down what it is and what it was told."""
+    options = dict(encoding.options)
+    if encoding.codec == "libx265":
+        options["x265-params"] = ":".join(filter(None, (options.get("x265-params"), "info=0")))
+    if encoding.codec == "prores_ks":
+        options.setdefault("vendor", "apl0")
+    return options

@@ -10,6 +10,7 @@ import av
 import numpy as np
 import pytest
 from blender_recording import FRAMES, RATE, R, an_edl, ground_of, in_blender, number_of
+from traces import traces
 
 from mcsl_core import edl as edls
 from mcsl_core.blender.render import render
@@ -71,6 +72,7 @@ def test_each_preset(project, blender, name, engine):
         assert not [v for v in told.values() if "edl" in v or str(project) in v or "202" in v]  # no path, no date
         heard = np.concatenate([f.to_ndarray().astype(float).ravel() for f in container.decode(audio=0)])
         assert np.abs(heard).max() > 0
+    assert traces(out) == []  # nor what its encoders were told
     frames = lumas(out)
     assert [number_of(luma) for luma in frames] == list(range(FRAMES))
     assert [ground_of(luma) for luma in frames] == SHOWN
