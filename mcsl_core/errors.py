@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 
@@ -86,3 +89,16 @@ class Cancelled(McslError):
 
     def __init__(self) -> None:
         super().__init__("stopped", remedy="The same command carries on where it stopped")
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Has a full disk, or a folder that nobody may write to, told as an error about ``path`` with what to do."""
+    try:
+        yield
+    except OSError as error:
+        raise McslError(
+            f"cannot be written ({error.strerror or error})",
+            where=str(path),
+            remedy="Make room, or choose another folder",
+        ) from error

@@ -8,21 +8,21 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import struct
 import tempfile
-import wave
 from fractions import Fraction
+from io import FileIO
 from pathlib import Path
 
 import numpy as np
 
 from mcsl_core.code_keys import SOUND
 from mcsl_core.edl import Edl
-from mcsl_core.errors import MediaError
+from mcsl_core.errors import writing
 from mcsl_core.progress import Progress
 from mcsl_core.recording.footage import Footage
 
 AUDIO_RATE = 48000
-_LARGEST = (1 << 32) - 4096  # a WAV file counts its bytes in 32 bits: 12 hours of mono
 
 
 def sound_key(edl: Edl, camera: str, content: list[str]) -> str:
@@ -33,28 +33,47 @@ def sound_key(edl: Edl, camera: str, content: list[str]) -> str:
 
 
 def write_wav(footage: Footage, camera: str, edl: Edl, path: Path, progress: Progress) -> None:
-    """Writes the whole programme's sound, 16 bits, mono; atomically and in flat memory."""
+    """Writes the whole programme's sound, 16 bits, mono; atomically and in flat memory.
+
+    Raises
+    ------
+    McslError
+        Where the disk is full or the folder cannot be written to; nothing is left then.
+    """
     samples = round(Fraction(edl.frames) / edl.rate * AUDIO_RATE)
-    if samples * 2 > _LARGEST:
-        raise MediaError(
-            "the programme is longer than a sound file can be (12 hours)",
-            where=str(path),
-            remedy="Analyse the recording in parts",
-        )
     progress.stage("Sound", samples // AUDIO_RATE, "s")
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
+    with writing(path):
+        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
     part = Path(name)
     try:
-        with os.fdopen(handle, "wb") as stream, wave.open(stream, "wb") as out:
-            out.setnchannels(1)
-            out.setsampwidth(2)
-            out.setframerate(AUDIO_RATE)
-            done = 0
+        done = 0
+        with os.fdopen(handle, "wb", buffering=0) as out:
+            _write(out, wav_header(samples), path)
             for block in footage.audio_blocks(camera, 0, Fraction(edl.frames) / edl.rate, AUDIO_RATE):
-                out.writeframes(np.round(np.clip(block, -1, 1) * 32767).astype("<i2").tobytes())
+                _write(out, np.round(np.clip(block, -1, 1) * 32767).astype("<i2").tobytes(), path)
                 done += len(block)
                 progress.advance(done // AUDIO_RATE)
-        part.chmod(0o644)
-        part.replace(path)
+            with writing(path):
+                os.fsync(out.fileno())  # a power cut must not leave a name without its content
+        with writing(path):
+            part.chmod(0o644)
+            part.replace(path)
     finally:
         part.unlink(missing_ok=True)
+
+
+def _write(out: FileIO, data: bytes, path: Path) -> None:
+    with writing(path):
+        while data:  # a disk that is nearly full takes some of it
+            data = data[out.write(data) :]
+
+
+def wav_header(samples: int) -> bytes:
+    """What stands before so many samples of 16 bits, mono; RF64 (EBU Tech 3306) beyond 4 GiB, which is 12 hours."""
+    size = 2 * samples
+    form = struct.pack("<4sIHHIIHH", b"fmt ", 16, 1, 1, AUDIO_RATE, 2 * AUDIO_RATE, 2, 16)
+    if size + 36 < 1 << 32:
+        return struct.pack("<4sI4s", b"RIFF", size + 36, b"WAVE") + form + struct.pack("<4sI", b"data", size)
+    sizes = struct.pack("<4sIQQQI", b"ds64", 28, size + 72, size, samples, 0)
+    unknown = (1 << 32) - 1  # it is in ds64
+    return struct.pack("<4sI4s", b"RF64", unknown, b"WAVE") + sizes + form + struct.pack("<4sI", b"data", unknown)

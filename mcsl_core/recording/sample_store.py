@@ -9,7 +9,7 @@ import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import cv2
 import numpy as np
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from mcsl_core.documents import write_atomic
 from mcsl_core.edl import Movement
+from mcsl_core.errors import writing
 from mcsl_core.progress import Progress
 from mcsl_core.timing import FrameRange
 
@@ -83,27 +84,42 @@ class SampleStore:
         step_s
             Seconds from one sample to the next.
         """
-        cameras = tuple(c.name for c in footage.cameras)
-        _contents_of(store).unlink(missing_ok=True)
-        stream = store.open("w+b")
-        frames: list[int] = []
-        index: list[dict[str, tuple[int, int]]] = []
         progress.stage("Sampling the recording", footage.frames, "frames")
+        with writing(store):
+            _contents_of(store).unlink(missing_ok=True)
+            stream = store.open("w+b")
+        try:
+            made = cls._recorded(footage, stream, store, progress, step_s)
+            write_atomic(_contents_of(store), json.dumps(made._contents()).encode())
+        except BaseException:  # what was begun takes the room that is missing
+            stream.close()
+            store.unlink(missing_ok=True)
+            raise
+        return made
+
+    @classmethod
+    def _recorded(
+        cls, footage: Footage, stream: BinaryIO, store: Path, progress: Progress, step_s: float
+    ) -> SampleStore:
+        made = cls([], tuple(camera.name for camera in footage.cameras), [], stream)
         for sample in sample_cameras(footage, step_s=step_s, height=SAMPLE_HEIGHT):
             spans = {}
             for name, picture in sample.pictures.items():
                 if picture is not None:
                     data = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1].tobytes()
                     spans[name] = (stream.tell(), len(data))
-                    stream.write(data)
-            frames.append(sample.frame)
-            index.append(spans)
+                    with writing(store):
+                        stream.write(data)
+            made.frames.append(sample.frame)
+            made._index.append(spans)
             progress.advance(min(sample.frame, footage.frames))
         progress.advance(footage.frames)
-        stream.flush()
-        contents = {"cameras": cameras, "frames": frames, "pictures": index}
-        write_atomic(_contents_of(store), json.dumps(contents).encode())
-        return cls(frames, cameras, index, stream)
+        with writing(store):
+            stream.flush()
+        return made
+
+    def _contents(self) -> dict[str, Any]:
+        return {"cameras": self.cameras, "frames": self.frames, "pictures": self._index}
 
     @classmethod
     def load(cls, store: Path) -> SampleStore | None:
