@@ -11,14 +11,9 @@ from av.video.reformatter import Colorspace, VideoReformatter
 
 from mcsl_core.imaging.planes import Planes, mirror_planes, resize_planes, turn_planes
 
+from .colours import BT709, FULL, LIMITED, is_full_range, matrix_of, to_bt709_rgb, wide_colours
 from .facts import MediaFacts
 
-BT709 = 1  # the same number for primaries, transfer and matrix in ITU-T H.273
-LIMITED = 1  # AVCOL_RANGE_MPEG
-
-_BT601 = (5, 6)  # BT.470BG, SMPTE 170M
-_BT2020 = (9, 10)
-_FULL = 2  # AVCOL_RANGE_JPEG
 _per_thread = threading.local()
 
 
@@ -39,22 +34,23 @@ def to_planes(frame: Any, facts: MediaFacts) -> Planes:
 
     Notes
     -----
-    Pictures without a colour tag are BT.709 from 720 rows or 1280 columns up and BT.601 below, as players take them.
+    What colours it has, and what becomes of HDR, `colours` says.
     """
     upright = facts.size if facts.rotation % 180 == 0 else (facts.size[1], facts.size[0])
-    bt601 = frame.colorspace in _BT601 or (frame.colorspace not in (0, BT709, *_BT2020) and _is_small(frame))
-    full = frame.color_range == _FULL or frame.format.name.startswith("yuvj")
+    wide = wide_colours(frame)
+    if wide is not None:
+        frame = to_bt709_rgb(frame, wide)
+    matrix, full = matrix_of(frame), is_full_range(frame)
     odd = frame.width % 2 or frame.height % 2
-    if frame.format.name != "yuv420p" or bt601 or full or odd:
-        rgb = frame.format.is_rgb
+    if frame.format.name != "yuv420p" or matrix is not Colorspace.ITU709 or full or odd:
         frame = _reformatter().reformat(
             frame,
             width=frame.width + frame.width % 2,
             height=frame.height + frame.height % 2,
             format="yuv420p",
-            src_colorspace=_matrix_of(frame, bt601=bt601 and not rgb),
+            src_colorspace=matrix,
             dst_colorspace=Colorspace.ITU709,
-            src_color_range=_FULL if full or rgb else LIMITED,
+            src_color_range=FULL if full else LIMITED,
             dst_color_range=LIMITED,
         )
     y, u, v = (
@@ -72,16 +68,6 @@ def _reformatter() -> VideoReformatter:
     if not hasattr(_per_thread, "reformatter"):
         _per_thread.reformatter = VideoReformatter()
     return _per_thread.reformatter
-
-
-def _matrix_of(frame: Any, *, bt601: bool) -> Colorspace:
-    if bt601:
-        return Colorspace.ITU601
-    return Colorspace.BT2020 if frame.colorspace in _BT2020 else Colorspace.ITU709
-
-
-def _is_small(frame: Any) -> bool:
-    return max(frame.width, frame.height) < 1280 and min(frame.width, frame.height) < 720
 
 
 def frame_from_planes(planes: Planes) -> Any:

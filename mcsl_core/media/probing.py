@@ -16,6 +16,7 @@ from av.error import FFmpegError
 
 from mcsl_core.errors import MediaError
 
+from .colours import colour_note, refuse_colours
 from .facts import MediaFacts, displayed_size, is_variable
 from .opening import main_video, open_file, refuse_raw, time_origin_of, timestamp_of
 from .orientation import orientation_of
@@ -52,6 +53,7 @@ class _Header:
     sample_aspect: Fraction
     rotation: int
     mirrored: bool
+    colour: str
     codec: str
     pixel_format: str
     audio_tracks: tuple[AudioTrack, ...]
@@ -131,6 +133,7 @@ def probe(path: str | Path) -> MediaFacts:
         decoding_order=header.decoding_order,
         scan=scan_of(path, rate),
         mirrored=header.mirrored,
+        colour=header.colour,
     )
 
 
@@ -157,6 +160,7 @@ def _read_header(path: Path) -> _Header:
         begin = (timestamp_of(first) or 0) * stream.time_base
         if container.format.name == "avi":  # it has no presentation times; FFmpeg makes them up, and late with H.264
             zero = begin
+        refuse_colours(first, path)
         rotation, mirrored = orientation_of(first)
         return _Header(
             tick=stream.time_base,
@@ -170,6 +174,7 @@ def _read_header(path: Path) -> _Header:
             sample_aspect=stream.sample_aspect_ratio or Fraction(1),
             rotation=rotation,
             mirrored=mirrored,
+            colour=colour_note(first),
             codec=stream.codec_context.name,
             pixel_format=first.format.name,
             audio_tracks=audio_tracks(container),

@@ -21,7 +21,8 @@ from mcsl_core.errors import InputError, MediaError, UsageError
 from mcsl_core.imaging.planes import U8, Planes, bgr_to_planes
 
 from .banners import without_banner
-from .frames import BT709, LIMITED, frame_from_planes
+from .colours import BT709, LIMITED
+from .frames import frame_from_planes
 from .opening import local_url
 
 FORMATS = {".mp4": "mp4", ".m4v": "mp4", ".mov": "mov", ".mkv": "matroska"}
