@@ -289,6 +289,7 @@ class Programme:
         quality: str = "standard",
         jobs: int | None = None,
         prune: bool = False,
+        audio: str | None = None,
         progress: Progress | None = None,
     ) -> Conformed:
         """Makes the exact programme pictures as media, only what is missing or changed; changes need not be saved.
@@ -299,21 +300,20 @@ class Programme:
             Where they lie; beside the EDL without (``edl.conformed``).
         quality : {"standard", "draft", "fine"}
             Of the pictures.
-        jobs : int, optional
-            Chunks made at the same time; one a core without.
-        prune : bool
-            Delete chunks that the EDL no longer needs.
+        jobs, prune : int, optional, and bool
+            Chunks made at the same time, one a core without; whether those that the EDL does not need are deleted.
+        audio : str, optional
+            The camera whose sound is taken, or "none"; the reference's without.
 
         Returns
         -------
         Conformed
             ``chunks`` that tile the programme, ``audio``, and how many were ``made`` now.
         """
-        kind = quality_named(quality)
         out = default_folder(self.path) if folder is None else Path(folder)
         progress = progress or Silent()
-        how: dict[str, Any] = {"jobs": jobs, "prune": prune, "quality": kind, "progress": progress}
-        source = ProgrammeSource(self._edl, self.folder, filler_of(self._edl, progress))
+        how: dict[str, Any] = {"jobs": jobs, "prune": prune, "quality": quality_named(quality), "progress": progress}
+        source = ProgrammeSource(self._edl, self.folder, filler_of(self._edl, progress), audio)
         return conforming.conform(source, out, **how)
 
     def render(
@@ -324,6 +324,7 @@ class Programme:
         engine: str = "blender",
         quality: str = "standard",
         blender: str | None = None,
+        audio: str | None = None,
         progress: Progress | None = None,
     ) -> Path:
         """Renders the programme to a video and returns where it lies.
@@ -338,8 +339,8 @@ class Programme:
             "direct" writes the same programme without Blender.
         quality : {"standard", "draft", "fine"}
             Of the conformed pictures.
-        blender : str, optional
-            The Blender to use; the first found without.
+        blender, audio : str, optional
+            The Blender to use, the first found without; whose sound is taken, or "none", the reference's without.
 
         Raises
         ------
@@ -348,7 +349,7 @@ class Programme:
         """
         self._check_saved()
         how: dict[str, Any] = {"preset": preset, "engine": engine, "quality": quality, "blender": blender}
-        return rendering.render(self.path, Path(out), **how, progress=progress)
+        return rendering.render(self.path, Path(out), **how, audio=audio, progress=progress)
 
     def timeline(
         self,
@@ -361,8 +362,8 @@ class Programme:
     ) -> BuiltTimeline:
         """Builds the Blender timeline ``out`` (.blend) of the saved EDL; see `blender.timeline.build_timeline`."""
         self._check_saved()
-        folder = None if conformed is None else Path(conformed)
-        how: dict[str, Any] = {"blender": blenders.find(blender), "preset": preset, "conformed": folder}
+        how: dict[str, Any] = {"blender": blenders.find(blender), "preset": preset}
+        how["conformed"] = None if conformed is None else Path(conformed)
         return build_timeline(self.path, Path(out), **how, progress=progress)
 
     def report(self, out: str | Path, *, figures: str | Path | None = None, progress: Progress | None = None) -> Path:
@@ -394,6 +395,6 @@ class Programme:
         return piece
 
     def _check_saved(self) -> None:
+        remedy = "Call save(), or save(another path) to leave the file as it is"
         if not self.is_saved:
-            remedy = "Call save(), or save(another path) to leave the file as it is"
             raise UsageError("has changes that are not saved", where=str(self.path), remedy=remedy)

@@ -17,7 +17,7 @@ from mcsl_core.delivery.conform import conform, default_folder
 from mcsl_core.delivery.direct import VideoFormat, write_direct
 from mcsl_core.delivery.presets import Preset, load_preset, preset_of
 from mcsl_core.delivery.quality import Quality, quality_named
-from mcsl_core.delivery.source import ProgrammeSource
+from mcsl_core.delivery.source import NO_SOUND, ProgrammeSource
 from mcsl_core.edl import Edl
 from mcsl_core.errors import InputError, UsageError
 from mcsl_core.filling.provenance import ShowProvenance
@@ -59,6 +59,8 @@ class RenderSettings:
         Chunks made at the same time; None for one a core.
     show_origin
         A review copy with each camera's pixels in a tint of their own; ``direct`` alone does that.
+    audio
+        The camera whose sound the video has, or "none"; None for the timeline's own, of an EDL the reference's.
 
     Raises
     ------
@@ -72,6 +74,7 @@ class RenderSettings:
     quality: Quality = field(factory=lambda: quality_named("standard"), converter=_quality_of)
     jobs: int | None = None
     show_origin: bool = False
+    audio: str | None = None
 
     def __attrs_post_init__(self) -> None:
         if self.engine not in ENGINES:
@@ -119,10 +122,9 @@ def render(source: Path, out: Path, *, progress: Progress | None = None, **setti
     """
     progress = progress or Silent()
     how = RenderSettings(**settings)
-    _check(source, out, how.preset)
-    edl_path, blender = source, None
-    if how.engine == "blender" or source.suffix == ".blend":
-        blender = how.find_blender()
+    _check(source, out, how)
+    edl_path = source
+    blender = how.find_blender() if how.engine == "blender" or source.suffix == ".blend" else None
     if source.suffix == ".blend" and blender is not None:
         edl_path, edl = pull_from(source, blender=blender, progress=progress)
     else:
@@ -131,7 +133,8 @@ def render(source: Path, out: Path, *, progress: Progress | None = None, **setti
     if how.engine == "direct" or blender is None:
         _direct(edl, edl_path, out, how, progress)
         return out
-    programme = ProgrammeSource(edl, edl_path.parent, filler_of(edl, progress))
+    audio = None if source.suffix == ".blend" else how.audio  # a timeline keeps its sound: the video goes without
+    programme = ProgrammeSource(edl, edl_path.parent, filler_of(edl, progress), audio)
     done = conform(programme, default_folder(edl_path), jobs=how.jobs, quality=how.quality, progress=progress)
     media = {
         "edl": edl_path.resolve(),
@@ -140,27 +143,34 @@ def render(source: Path, out: Path, *, progress: Progress | None = None, **setti
     }
     if source.suffix == ".blend":
         run_task(blender, RefreshRequest(blend=source.resolve(), **media), progress)
-        _in_blender(source, out, how.preset, blender, progress)
+        _in_blender(source, out, how, blender, progress)
         return out
     with tempfile.TemporaryDirectory(prefix="mcsl-render-") as name:
         blend = Path(name).resolve() / "programme.blend"
         video = f"{blend.stem}.{how.preset.container}"
         run_task(blender, TimelineRequest(blend=blend, preset=how.preset, output=video, **media), progress)
-        _in_blender(blend, out, how.preset, blender, progress)
+        _in_blender(blend, out, how, blender, progress)
     return out
 
 
-def _check(source: Path, out: Path, preset: Preset) -> None:
+def _check(source: Path, out: Path, how: RenderSettings) -> None:
     """What can be wrong with the files, before any work."""
+    container = how.preset.container
     if source.suffix not in (".json", ".blend"):
         raise UsageError("is neither an EDL (.json) nor a timeline (.blend)", where=str(source))
     if not source.is_file():
         raise InputError("is missing", where=str(source), remedy="Make it with `mcsl analyse` or `mcsl timeline`")
-    if out.suffix != f".{preset.container}":
+    if out.suffix != f".{container}":
         raise UsageError(
-            f"the preset writes .{preset.container} files",
+            f"the preset writes .{container} files",
             where=str(out),
-            remedy=f"Name it {out.stem}.{preset.container}, or take another preset",
+            remedy=f"Name it {out.stem}.{container}, or take another preset",
+        )
+    if source.suffix == ".blend" and how.engine == "blender" and how.audio not in (None, NO_SOUND):
+        raise UsageError(
+            "a timeline has its own sound",
+            where=str(source),
+            remedy=f"Change it in Blender, render its EDL, or take --audio {NO_SOUND}",
         )
 
 
@@ -187,15 +197,17 @@ def _direct(edl: Edl, edl_path: Path, out: Path, how: RenderSettings, progress: 
         audio_channels=AUDIO_CHANNELS,
         resampling=how.quality.resampling,
     )
-    write_direct(ProgrammeSource(edl, edl_path.parent, filler), out, video=video, progress=progress)
+    write_direct(ProgrammeSource(edl, edl_path.parent, filler, how.audio), out, video=video, progress=progress)
 
 
-def _in_blender(blend: Path, out: Path, preset: Preset, blender: Blender, progress: Progress) -> None:
+def _in_blender(blend: Path, out: Path, how: RenderSettings, blender: Blender, progress: Progress) -> None:
     part = out.resolve().with_name(f".{out.stem}.part{out.suffix}")
     clean = part.with_stem(f"{part.stem}.clean")
     try:
-        run_task(blender, RenderRequest(blend=blend.resolve(), preset=preset, output=part), progress)
-        strip(part, clean)  # Blender's FFmpeg writes down its version and all that its encoders were told
+        run_task(blender, RenderRequest(blend=blend.resolve(), preset=how.preset, output=part), progress)
+        strip(
+            part, clean, sound=how.audio != NO_SOUND
+        )  # Blender's FFmpeg writes down its version and all that its encoders were told
         clean.replace(out)
     finally:
         part.unlink(missing_ok=True)

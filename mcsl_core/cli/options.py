@@ -27,6 +27,10 @@ allow_outside = click.option(
     help="The EDL's media may lie outside of its folder, though it was not made here; remembered.",
 )
 
+audio_option = click.option(
+    "--audio", metavar="CAMERA", help="Whose sound is taken; none: no sound at all (default: the reference camera's)."
+)
+
 
 class Commands(click.Group):
     """Lists the commands in the order of the work, not of the alphabet."""

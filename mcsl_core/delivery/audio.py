@@ -32,6 +32,18 @@ def sound_key(edl: Edl, camera: str, content: list[str]) -> str:
     return hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:20]
 
 
+def is_audible(footage: Footage, camera: str | None, progress: Progress) -> bool:
+    """Whether the programme has sound: none is wanted, or ``camera`` has none. What a person should know is told."""
+    if camera is None:
+        return False
+    for note in footage.sound_track(camera).notes:
+        progress.note(f"{camera}: {note}")
+    if not footage.has_sound(camera):
+        progress.note(f"{camera} has no sound, so the programme has none")
+        return False
+    return True
+
+
 def write_wav(footage: Footage, camera: str, edl: Edl, path: Path, progress: Progress) -> None:
     """Writes the whole programme's sound, 16 bits, mono; atomically and in flat memory.
 

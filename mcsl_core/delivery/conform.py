@@ -28,7 +28,7 @@ from mcsl_core.progress import Progress, Silent
 from mcsl_core.recording.contents import read_contents
 from mcsl_core.recording.footage import footage_of
 
-from .audio import sound_key, write_wav
+from .audio import is_audible, sound_key, write_wav
 from .chunk_keys import Chunk, is_chunk, media_fingerprints, plan_chunks, with_former_keys
 from .quality import STANDARD, Quality, as_good_as
 from .source import ProgrammeSource
@@ -176,10 +176,7 @@ def _tell_of_changed_media(source: ProgrammeSource, progress: Progress) -> None:
 def _make_sound(source: ProgrammeSource, out: Path, progress: Progress) -> Path | None:
     edl, camera = source.edl, source.sound_camera
     footage = footage_of(edl, source.base, 1)
-    for note in footage.sound_track(camera).notes:
-        progress.note(f"{camera}: {note}")
-    if not footage.has_sound(camera):
-        progress.note(f"{camera} has no sound, so the programme has none")
+    if camera is None or not is_audible(footage, camera, progress):
         return None
     path = out / f"sound-{sound_key(edl, camera, media_fingerprints(edl.camera(camera), source.base))}.wav"
     if not path.is_file():

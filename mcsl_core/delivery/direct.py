@@ -15,7 +15,7 @@ from mcsl_core.progress import Progress, Silent
 from mcsl_core.recording.footage import footage_of
 from mcsl_core.timing import FrameRange
 
-from .audio import AUDIO_RATE
+from .audio import AUDIO_RATE, is_audible
 from .source import ProgrammeSource
 
 
@@ -58,12 +58,11 @@ def write_direct(
     piece = piece or FrameRange(0, edl.frames)
     size, camera = video.size or edl.size, source.sound_camera
     footage = footage_of(edl, source.base, threads=0)
-    audible = footage.has_sound(camera)
     start_s, stop_s = (Fraction(frame) / edl.rate for frame in (piece.start, piece.stop))
-    for note in footage.sound_track(camera).notes:
-        progress.note(f"{camera}: {note}")
+    sound = None
+    if camera is not None and is_audible(footage, camera, progress):
+        sound = footage.audio_blocks(camera, start_s, stop_s, AUDIO_RATE, block_s=1.0)
     progress.stage("Writing the programme", len(piece), "frames")
-    sound = footage.audio_blocks(camera, start_s, stop_s, AUDIO_RATE, block_s=1.0)
     with (
         Compositor(edl, footage, filler=source.filler, resampling=video.resampling) as compositor,
         VideoWriter(
@@ -72,13 +71,15 @@ def write_direct(
             rate=edl.rate,
             encoding=video.encoding,
             keyframe_interval=video.keyframe_interval,
-            audio_rate=AUDIO_RATE if audible else None,
+            audio_rate=AUDIO_RATE if sound is not None else None,
             audio_channels=video.audio_channels,
         ) as writer,
     ):
         for done, planes in enumerate(compositor.frames(piece), start=1):
             writer.write(resize_planes(planes, size))
-            while audible and writer.samples * edl.rate < done * AUDIO_RATE:  # side by side, as players read them
+            while (
+                sound is not None and writer.samples * edl.rate < done * AUDIO_RATE
+            ):  # side by side, as players read them
                 block = next(sound, None)
                 if block is None:
                     break

@@ -11,6 +11,8 @@ from mcsl_core.errors import UsageError
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.protocol import Filler
 
+NO_SOUND = "none"  # in place of a camera's name
+
 
 @frozen(eq=False)
 class ProgrammeSource:
@@ -25,7 +27,12 @@ class ProgrammeSource:
     filler
         Who fills what the chosen camera does not reach.
     audio_from
-        The camera whose sound the programme has; the reference's without.
+        The camera whose sound the programme has; the reference's without, and none at all for `NO_SOUND`.
+
+    Raises
+    ------
+    UsageError
+        Where there is no camera of that name.
     """
 
     edl: Edl
@@ -33,13 +40,15 @@ class ProgrammeSource:
     filler: Filler = field(factory=FootprintFiller)
     audio_from: str | None = None
 
-    @property
-    def sound_camera(self) -> str:
-        """The camera whose sound the programme has; UsageError where there is none of that name."""
-        name = self.audio_from or self.edl.reference
-        if all(camera.name != name for camera in self.edl.cameras):
+    def __attrs_post_init__(self) -> None:
+        name = self.sound_camera
+        if name is not None and all(camera.name != name for camera in self.edl.cameras):
             raise UsageError(
                 f"there is no camera {name!r} to take the sound from",
-                remedy=f"Choose one of {', '.join(c.name for c in self.edl.cameras)}",
+                remedy=f"Choose one of {', '.join(c.name for c in self.edl.cameras)}, or {NO_SOUND}",
             )
-        return name
+
+    @property
+    def sound_camera(self) -> str | None:
+        """The camera whose sound the programme has, if any."""
+        return None if self.audio_from == NO_SOUND else self.audio_from or self.edl.reference

@@ -15,7 +15,7 @@ from .opening import local_url, main_video, open_file
 from .writing import FORMATS, muxer_options
 
 
-def strip(path: Path, out: Path) -> None:
+def strip(path: Path, out: Path, *, sound: bool = True) -> None:
     """Copies the main video and the sound of ``path`` to ``out``, as they are coded, and nothing that identifies.
 
     Titles, times, places, time codes, chapters, data and attachments stay behind, and so does what the encoders wrote
@@ -27,6 +27,8 @@ def strip(path: Path, out: Path) -> None:
         The video.
     out
         Another file, overwritten; its name ends as the video's does.
+    sound
+        Whether the sound comes along.
 
     Raises
     ------
@@ -39,8 +41,9 @@ def strip(path: Path, out: Path) -> None:
             open_file(path) as source,
             av.open(local_url(out), "w", format=kind, container_options=muxer_options(kind)) as target,
         ):
-            streams = {s.index: _copied(target, s) for s in (main_video(source, path), *source.streams.audio)}
-            for packet in source.demux([source.streams[index] for index in streams]):
+            kept = [main_video(source, path), *(source.streams.audio if sound else ())]
+            streams = {stream.index: _copied(target, stream) for stream in kept}
+            for packet in source.demux(kept):
                 if packet.size:  # the last are dummies
                     codec = packet.stream.codec_context.name
                     clean = without_banner(packet, codec, prefixed=True)

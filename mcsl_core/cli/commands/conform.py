@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
 import mcsl_core as mcsl
-from mcsl_core.cli.options import PATH, allow_outside
+from mcsl_core.cli.options import PATH, allow_outside, audio_option
 from mcsl_core.cli.output import Session
 
 
@@ -19,9 +20,10 @@ from mcsl_core.cli.output import Session
 )
 @click.option("--jobs", type=click.IntRange(min=1), help="Chunks made at the same time (default: one a core).")
 @click.option("--prune", is_flag=True, help="Delete chunks that the EDL no longer needs.")
+@audio_option
 @allow_outside
 @click.pass_obj
-def conform(session: Session, edl: Path, out: Path | None, quality: str, jobs: int | None, prune: bool) -> None:
+def conform(session: Session, edl: Path, out: Path | None, quality: str, **how: Any) -> None:
     """Make the exact programme pictures of EDL.
 
     From the original media, in full resolution, in chunks: only what is missing or changed is made.
@@ -34,7 +36,7 @@ def conform(session: Session, edl: Path, out: Path | None, quality: str, jobs: i
     quality_named(quality)  # a wrong call is told before the EDL is read
     programme = mcsl.open(edl)
     with session.progress() as progress:
-        done = programme.conform(folder=out, quality=quality, jobs=jobs, prune=prune, progress=progress)
+        done = programme.conform(folder=out, quality=quality, **how, progress=progress)
     folder = done.folder
     media = ConformedMedia(
         folder=folder,

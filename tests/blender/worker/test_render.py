@@ -79,6 +79,19 @@ def test_each_preset(project, blender, name, engine):
     assert sorted(p.name for p in project.iterdir() if "part" in p.name) == []
 
 
+def test_no_sound_leaves_the_house_and_the_timeline_keeps_its_own(built, blender):
+    edl, out = built.with_name("edl.json"), built.with_name("out.mp4")
+    for source in (edl, built):
+        render(source, out, preset="review", blender=blender, audio="none")
+        with av.open(str(out)) as container:
+            assert [stream.type for stream in container.streams] == ["video"]
+    render(built, out, preset="review", blender=blender)
+    with av.open(str(out)) as container:
+        assert [stream.type for stream in container.streams] == ["video", "audio"]
+    with pytest.raises(UsageError, match="a timeline has its own sound"):
+        render(built, out, blender=blender, preset="review", audio="cam2")
+
+
 @pytest.mark.parametrize("engine", ["blender", "direct"])
 def test_a_size_that_halves_to_an_odd_number(project, blender, engine):
     edls.save(an_edl(size=(322, 182)), project / "edl.json")
