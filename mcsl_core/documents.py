@@ -12,6 +12,7 @@ import os
 import re
 import secrets
 import sys
+import tomllib
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from numbers import Integral, Real
@@ -30,8 +31,8 @@ from cattrs.errors import (
 from cattrs.gen import make_dict_structure_fn, make_dict_unstructure_fn, override
 
 from mcsl_core.errors import DocumentError, Fault, InputError, McslError
-from mcsl_core.input_files import read_text
-from mcsl_core.json_text import parse_json
+from mcsl_core.input_files import check_target, read_text
+from mcsl_core.json_text import parse_json, shallow
 from mcsl_core.timing import FrameRange, format_rate, parse_rate
 
 T = TypeVar("T")
@@ -278,6 +279,16 @@ def read_json(path: Path, *, wanted: str = "a JSON document", remedy: str = "") 
     return parse_json(read_text(path, wanted=wanted, remedy=remedy), where=str(path))
 
 
+def read_toml(path: Path, *, wanted: str, remedy: str) -> dict[str, Any]:
+    """The values of a TOML file; ``wanted`` and ``remedy`` as in `read_text`, DocumentError where it is no TOML."""
+    text = read_text(path, wanted=wanted, remedy=remedy)
+    try:
+        return shallow(tomllib.loads(text))
+    except (ValueError, RecursionError) as error:  # a number of thousands of digits is a ValueError too
+        why = "it is nested too deeply" if isinstance(error, RecursionError) else error
+        raise DocumentError(f"is not TOML: {why}", where=str(path), remedy=remedy) from error
+
+
 def canonical_json(value: Any) -> str:
     """Readable and diffable: short lists and objects on one line, keys in the order given, floats at 10 digits."""
     return _render(_rounded(value), "") + "\n"
@@ -322,8 +333,12 @@ def _render(value: Any, indent: str) -> str:
 
 
 def write_atomic(path: Path, data: bytes) -> None:
-    """Writes beside ``path`` and renames: a reader sees the old file or the whole new one, never a part."""
+    """Writes beside ``path`` and renames: a reader sees the old file or the whole new one, never a part.
+
+    What lies there and is no regular file is refused: a rename would put a file in the place of a device or a pipe.
+    """
     target = Path(os.path.realpath(path))  # a link keeps pointing at what it names
+    check_target(target, path)
     temporary = target.with_name(f".mcsl-{secrets.token_hex(8)}.tmp")
     try:
         target.parent.mkdir(parents=True, exist_ok=True)

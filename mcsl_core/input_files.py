@@ -13,6 +13,7 @@ from mcsl_core.errors import DocumentError, InputError
 
 MOST_BYTES = 64 << 20  # of a document; the EDL of twelve hours with a decision each second takes some 10 MB
 
+_LONGEST_NAME, _LONGEST_PATH = 255, 4000  # bytes
 _SIGNATURES = (  # what people hand in by mistake: the place of some bytes, the bytes, what it is
     (4, b"ftyp", "a video"),
     (4, b"moov", "a video"),
@@ -61,8 +62,9 @@ def check_file(path: Path, *, wanted: str = "a file", remedy: str = "") -> None:
     if stat.S_ISDIR(mode):
         raise InputError(f"is a folder, not {wanted}", where=str(path), remedy=remedy or "Name the file itself")
     if not stat.S_ISREG(mode):
-        kind = next((name for test, name in _KINDS if test(mode)), "no file")
-        raise InputError(f"is {kind}, not {wanted}", where=str(path), remedy="Save it as a file, and name that")
+        raise InputError(
+            f"is {_kind_of(mode)}, not {wanted}", where=str(path), remedy="Save it as a file, and name that"
+        )
 
 
 def read_bytes(path: Path, *, wanted: str = "a file", remedy: str = "", most: int = MOST_BYTES) -> bytes:
@@ -100,6 +102,18 @@ def read_text(path: Path, *, wanted: str = "a text", remedy: str = "", most: int
     return text
 
 
+def check_target(target: Path, named: Path) -> None:
+    """InputError where something lies at ``target`` that is no regular file; ``named``: as the user names it."""
+    try:
+        mode = target.stat().st_mode
+    except (OSError, ValueError):
+        return  # there is nothing: writing tells whether there can be
+    if not stat.S_ISREG(mode):
+        kind = "a folder" if stat.S_ISDIR(mode) else _kind_of(mode)
+        what = f"cannot be written: it is {kind}, no file"
+        raise InputError(what, where=str(named), remedy="Choose another name")
+
+
 def unreadable(path: Path | str, error: OSError | ValueError) -> InputError:
     """What to say where a file cannot be opened: an OSError, or the ValueError of a name that no file can have."""
     where = str(path).replace("\0", "\\0")
@@ -111,6 +125,23 @@ def unreadable(path: Path | str, error: OSError | ValueError) -> InputError:
             f"cannot be read ({error.strerror or error})", where=where, remedy="Check the path and its permissions"
         )
     return InputError("is no name that a file can have", where=where, remedy="Check the path")
+
+
+def name_fault(path: str) -> str:
+    """Why no file can have that path; "" where one can."""
+    try:
+        parts = os.fsencode(path).split(os.fsencode(os.sep))
+    except UnicodeEncodeError:
+        return "holds characters that no file name has"
+    if "\0" in path:
+        return "holds a null character"
+    if max(map(len, parts)) > _LONGEST_NAME or sum(map(len, parts)) > _LONGEST_PATH:
+        return f"is too long: names have at most {_LONGEST_NAME} bytes, paths {_LONGEST_PATH}"
+    return ""
+
+
+def _kind_of(mode: int) -> str:
+    return next((name for test, name in _KINDS if test(mode)), "something else")
 
 
 def _without_waiting(path: str, flags: int) -> int:

@@ -23,7 +23,7 @@ def parse_json(text: str, *, where: str) -> Any:
     remedy = "The file may be cut short; restore it or make it again"
     try:
         value = json.loads(text, object_pairs_hook=_once, parse_constant=_no_constant, parse_float=_finite)
-        return _shallow(value)
+        return shallow(value)
     except json.JSONDecodeError as error:
         spot = f"line {error.lineno}, column {error.colno}"
         raise DocumentError(
@@ -57,7 +57,7 @@ def _finite(digits: str) -> float:
     return number
 
 
-def _shallow(value: Any) -> Any:
+def shallow(value: Any) -> Any:
     """``value``, unless it is nested deeper than a recursion may go or holds text that cannot be written."""
     level = [value]
     for _ in range(DEEPEST):

@@ -44,6 +44,7 @@ rates = st.sampled_from(
 ) | st.fractions(Fraction(1, 10), 1000, max_denominator=2000)
 sizes = st.tuples(st.integers(1, 8192), st.integers(1, 8192))
 texts = st.text(st.characters(exclude_categories=["Cs"]), max_size=12)
+paths = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), min_size=1, max_size=8)
 names = st.text(st.characters(exclude_categories=["Cs"]), min_size=1, max_size=8)
 
 
@@ -115,7 +116,7 @@ json_values = st.recursive(
 
 @st.composite
 def cameras(draw: DrawFn, name: str, frames: int) -> Camera:
-    medium = st.builds(Media, path=names, frames=st.integers(1, 10**7), fingerprint=texts)
+    medium = st.builds(Media, path=paths, frames=st.integers(1, 10**7), fingerprint=texts)
     clock = st.builds(
         Clock,
         offset_s=numbers(-1e4, 1e4),
@@ -177,7 +178,7 @@ def edls(draw: DrawFn, max_frames: int = 300) -> Edl:
         corrections=tuple(draw(st.lists(corrections(frames, known), max_size=2))),
         look=Look(*draw(st.tuples(st.booleans(), st.booleans(), st.booleans()))),
         centering=draw(centering_keys(frames)),
-        scores=draw(st.none() | names),
+        scores=draw(st.none() | paths),
         made_by=draw(
             st.none()
             | st.builds(

@@ -19,8 +19,10 @@ from numpy.typing import NDArray
 
 from mcsl_core.alignment.aligned_views import AlignedPose
 from mcsl_core.alignment.observations import SolvedPose
+from mcsl_core.arrays import read_arrays
 from mcsl_core.documents import make_converter, write_atomic
 from mcsl_core.edl import Clock, Movement, Pose
+from mcsl_core.errors import McslError
 from mcsl_core.movement.protocol import Curve, Detection
 from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.progress import Progress
@@ -29,6 +31,7 @@ T = TypeVar("T")
 Arrays = Mapping[str, NDArray]
 
 KEPT = 4  # results a stage keeps: a researcher goes back and forth between a few detectors
+_MOST_BYTES = 1 << 31  # fields of ten thousand poses, unpacked
 _converter = make_converter()
 
 
@@ -74,12 +77,12 @@ class StageCache:
         path = self.folder / f"{stage.name}-{key}.npz"
         if path.exists():
             try:
-                with np.load(path, allow_pickle=False) as stored:
-                    found = stage.unpack(dict(stored))
+                found = stage.unpack(read_arrays(path, wanted="a kept result", remedy="", most=_MOST_BYTES))
                 path.touch()
                 return found
             except Exception as fault:  # whatever is wrong with it, making it again is right
-                self._progress.note(f"{path} cannot be used ({type(fault).__name__}: {fault}) and is made again")
+                why = fault.what if isinstance(fault, McslError) else f"{type(fault).__name__}: {fault}"
+                self._progress.note(f"{path} cannot be used ({why}) and is made again")
         result = call(step, *given, **named)
         stream = io.BytesIO()
         np.savez_compressed(stream, **stage.pack(result))  # pyright: ignore[reportArgumentType]

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from attrs import field, frozen
 
+from mcsl_core.arrays import read_arrays
 from mcsl_core.documents import write_atomic
 from mcsl_core.errors import DocumentError
 from mcsl_core.movement.protocol import NO_CURVE, Curve
@@ -43,13 +44,12 @@ def load_measurements(path: Path) -> Measurements:
 
     Raises
     ------
-    DocumentError
+    InputError, DocumentError
         Where the file is missing or something else.
     """
+    wanted, remedy = "a table of scores", "Run `mcsl analyse` again"
+    data = read_arrays(path, wanted=wanted, remedy=remedy)
     try:
-        with np.load(path, allow_pickle=False) as data:
-            return Measurements(ScoreTable.from_arrays(data), Curve.from_arrays(data))
-    except (OSError, KeyError, ValueError) as error:
-        raise DocumentError(
-            f"is not a table of scores ({error})", where=str(path), remedy="Run `mcsl analyse` again"
-        ) from error
+        return Measurements(ScoreTable.from_arrays(data), Curve.from_arrays(data))
+    except (LookupError, ValueError, TypeError, OverflowError) as error:
+        raise DocumentError(f"is not {wanted} ({error})", where=str(path), remedy=remedy) from error

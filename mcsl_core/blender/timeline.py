@@ -16,6 +16,7 @@ from mcsl_core.edl import Edl
 from mcsl_core.edl.edits import rebased
 from mcsl_core.errors import InputError, UsageError
 from mcsl_core.hooks.registry import filler_of
+from mcsl_core.input_files import check_file
 from mcsl_core.progress import Progress, Silent
 
 from .child import run_task
@@ -98,6 +99,7 @@ def pull_from(
     """As `pull_overrides`; also returns where the EDL lies that was written."""
     progress = progress or Silent()
     _check_blend_name(blend_path)
+    check_file(blend_path, wanted="a timeline", remedy="Hand in the .blend file")
     progress.stage("reading the timeline")
     decided = run_task(blender, ReadRequest(blend_path.resolve()), progress)
     edl = edls.load(decided.edl)

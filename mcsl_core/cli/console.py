@@ -53,7 +53,7 @@ class Bars:
     def __enter__(self) -> Bars:
         self._rich = RichProgress(
             SpinnerColumn(finished_text="[green]✓[/]"),
-            TextColumn("{task.description}"),
+            TextColumn("{task.description}", markup=False),
             BarColumn(bar_width=24),
             MofNCompleteColumn(),
             _RateColumn(),
@@ -89,7 +89,7 @@ class Bars:
 
     def note(self, text: str) -> None:
         self.token.check()
-        self.console.print(f"[yellow]note[/] {text}", highlight=False)
+        self.console.print(Text.assemble(("note", "yellow"), " ", text))
 
 
 @define
@@ -132,7 +132,7 @@ def steadiness_table(evaluation: Evaluation) -> Group:
     for heading in headings.values():
         table.add_column(heading, justify="right", no_wrap=True)
     for prefix, scope in scopes.items():
-        table.add_row(f"[bold]{'at switches' if prefix else 'whole programme'}[/]")
+        table.add_row(Text("at switches" if prefix else "whole programme", style="bold"))
         for row in evaluation.measured:
             means = getattr(row, scope)
             values = [getattr(means, f"{name}_{'px' if name.startswith('av') else 'db'}") for name in headings]
@@ -141,7 +141,7 @@ def steadiness_table(evaluation: Evaluation) -> Group:
             signs = [-1 if name.startswith("av") else 1 for name in headings]
             found = [gains.get(prefix + name) for name in headings]
             told = ("-" if v is None else f"{s * v:+.0f} %" for s, v in zip(signs, found, strict=True))
-            table.add_row("[dim]Auto against Manual[/]", *told)
+            table.add_row(Text("Auto against Manual", style="dim"), *told)
     foot = (
         "ITF in dB: over all pixels; over the valid ones, which both frames have from a camera; over those about the "
         f"field, within {conditions.field:.0%} of the width of its middle. AvSpeed in pixels a frame: all points; "
@@ -182,6 +182,8 @@ def offers_table(offers: Sequence[Offer]) -> Table:
     for heading in ("stage", "name", "from", "what it does"):
         table.add_column(heading, overflow="fold")
     for offer in offers:
-        mark = " [dim](default)[/]" if STAGES[offer.stage].default == offer.name else ""
-        table.add_row(offer.stage, offer.name + mark, f"{offer.package} {offer.version}", offer.summary)
+        mark = " (default)" if STAGES[offer.stage].default == offer.name else ""
+        table.add_row(
+            offer.stage, Text.assemble(offer.name, (mark, "dim")), f"{offer.package} {offer.version}", offer.summary
+        )
     return table

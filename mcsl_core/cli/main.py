@@ -80,12 +80,27 @@ def main(arguments: list[str] | None = None) -> int:
     except Exception as error:
         if debug:
             raise
-        unexpected = McslError(
-            f"{type(error).__name__}: {error}",
-            where="internal error",
-            remedy="Run again with `mcsl --debug ...` and report what it shows",
-        )
-        return _fail(unexpected, as_json)
+        return _fail(_told(error, arguments), as_json)
+
+
+def _told(error: Exception, arguments: list[str]) -> McslError:
+    """What people can do about an error that is none of ours."""
+    if isinstance(error, MemoryError) or "OutOfMemoryError" in str(error) or "Insufficient memory" in str(error):
+        command = next((f"mcsl {a}" for a in arguments if a in cli.commands), "mcsl")
+        told = f" ({error})" if str(error) else ""
+        remedy = "Close other programs, take fewer --jobs or smaller pictures, or a machine with more memory"
+        return McslError(f"the memory does not suffice{told}", where=command, remedy=remedy)
+    if isinstance(error, OSError) and error.filename is not None:
+        remedy = "Check the path, its permissions and the room on the disk"
+        return McslError(f"{error.strerror or error}", where=os.fsdecode(str(error.filename)), remedy=remedy)
+    if isinstance(error, RuntimeError) and str(error).startswith("Symlink loop from "):
+        where = str(error).removeprefix("Symlink loop from ").strip("'")
+        return McslError("is a link that leads to itself", where=where, remedy="Correct the link")
+    return McslError(
+        f"{type(error).__name__}: {error}",
+        where="internal error",
+        remedy="Run again with `mcsl --debug ...` and report what it shows",
+    )
 
 
 def _wants_json(arguments: list[str]) -> bool:

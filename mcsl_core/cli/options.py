@@ -9,8 +9,20 @@ import click
 
 from mcsl_core import edl as edls
 from mcsl_core.hooks.stages import STAGES
+from mcsl_core.input_files import name_fault
 
-PATH = click.Path(path_type=Path)
+
+class _Path(click.Path):
+    """A path that a file can have at all: what is too long is a wrong call, not a failure after the work."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        path = super().convert(value, param, ctx)
+        if fault := name_fault(str(path)):
+            self.fail(f"{str(path)[:60]!r}... {fault}", param, ctx)
+        return path
+
+
+PATH = _Path(path_type=Path)
 
 
 def _allow(ctx: click.Context, _parameter: click.Parameter, given: bool) -> None:

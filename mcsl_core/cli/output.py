@@ -7,6 +7,7 @@ libraries under them print as they like, from C too, so what anybody else prints
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import sys
 from collections.abc import Iterator, Mapping
@@ -25,6 +26,9 @@ def own_output() -> None:
 
     Not at a terminal, where nobody parses; and for good, because C's buffers are written out after everything else.
     """
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # a name of a file that is no text is no reason to fail
     given = sys.stdout
     try:
         if given.isatty() or given.fileno() != 1:
@@ -56,8 +60,9 @@ class Session:
         if progress not in MODES:
             raise UsageError(f"{progress!r} is no way to show progress", remedy=f"Take one of {', '.join(MODES)}")
         self.debug = debug
-        self.out = Console(highlight=False, soft_wrap=True)
-        self.err = Console(stderr=True, highlight=False)
+        # Paths and names hold brackets and colons: nothing that is printed is markup.
+        self.out = Console(highlight=False, soft_wrap=True, markup=False, emoji=False)
+        self.err = Console(stderr=True, highlight=False, markup=False, emoji=False)
         terminal = "bar" if sys.stderr.isatty() else "lines"
         self.mode = terminal if progress == "auto" else progress
         self.json = JsonLines(sys.stdout) if self.mode == "json" else None

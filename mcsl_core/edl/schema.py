@@ -17,6 +17,7 @@ from attrs.validators import optional
 
 from mcsl_core.documents import AtMost, Bounds, NotEmpty, doc, key_path
 from mcsl_core.errors import Fault
+from mcsl_core.input_files import name_fault
 from mcsl_core.timing import FrameRange, check_rate, check_tiles
 
 Matrix = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
@@ -65,10 +66,23 @@ def _check_matrix(matrix: Matrix, at: str) -> None:
 
 
 @frozen
+class FileName(NotEmpty):
+    """Validator: a text that can be the path of a file."""
+
+    def __call__(self, _instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
+        super().__call__(_instance, attribute, value)
+        fault = name_fault(value)
+        _require(not fault, fault, f".{attribute.name}")
+
+
+@frozen
 class Media:
     """One file of a camera; a camera's files are played one after another."""
 
-    path: str = field(validator=NotEmpty(), metadata=doc("relative to the EDL's folder, or absolute; forward slashes"))
+    path: str = field(
+        validator=FileName(),
+        metadata=doc("relative to the EDL's folder, or absolute; forward slashes"),
+    )
     frames: int = field(validator=FRAMES, metadata=doc("pictures in the file"))
     fingerprint: str = field(default="", metadata=doc("content key: changes when the file does"))
 
@@ -277,7 +291,9 @@ class Edl:
         default=(),
         metadata=doc("[frame, dx, dy]: shift in programme pixels, linear between keys, held outside"),
     )
-    scores: str | None = field(default=None, metadata=doc("path of the per-sample visible-field scores (.npz)"))
+    scores: str | None = field(
+        default=None, validator=optional(FileName()), metadata=doc("path of the per-sample visible-field scores (.npz)")
+    )
     made_by: MadeBy | None = field(default=None, metadata=doc("what made the analysis"))
 
     def __attrs_post_init__(self) -> None:

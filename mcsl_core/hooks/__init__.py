@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from mcsl_core.alignment.correspondences import Correspondences
     from mcsl_core.alignment.protocol import Aligner, Alignment, Features, Matcher
     from mcsl_core.centering.protocol import Centerer, FieldPosition
-    from mcsl_core.documents import make_converter, structure_document, write_atomic
+    from mcsl_core.documents import make_converter, read_toml, structure_document, write_atomic
     from mcsl_core.edl import CenteringKey, Movement, Shot, Weak
     from mcsl_core.errors import Cancelled, DocumentError, Fault, InputError, McslError, PluginError, UsageError
     from mcsl_core.filling.protocol import FillContext, Filler
@@ -80,6 +80,7 @@ __all__ = [
     "hookimpl",
     "main_region",
     "make_converter",
+    "read_toml",
     "sample_borders",
     "shots_from",
     "size_at_columns",
@@ -96,7 +97,7 @@ __getattr__, __dir__ = lazy_names(
         "mcsl_core.alignment.correspondences": ("Correspondences",),
         "mcsl_core.alignment.protocol": ("Aligner", "Alignment", "Features", "Matcher"),
         "mcsl_core.centering.protocol": ("Centerer", "FieldPosition"),
-        "mcsl_core.documents": ("make_converter", "structure_document", "write_atomic"),
+        "mcsl_core.documents": ("make_converter", "read_toml", "structure_document", "write_atomic"),
         "mcsl_core.edl": ("CenteringKey", "Movement", "Shot", "Weak"),
         "mcsl_core.errors": (
             "Cancelled",

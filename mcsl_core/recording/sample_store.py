@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -16,9 +17,10 @@ import numpy as np
 from attrs import define, field, frozen
 from numpy.typing import NDArray
 
-from mcsl_core.documents import write_atomic
+from mcsl_core.documents import make_converter, read_json, structure_document, write_atomic
 from mcsl_core.edl import Movement
-from mcsl_core.errors import writing
+from mcsl_core.errors import Fault, InputError, writing
+from mcsl_core.input_files import check_file
 from mcsl_core.progress import Progress
 from mcsl_core.timing import FrameRange
 
@@ -26,6 +28,7 @@ from .footage import Footage
 from .keyframe_sampling import sample_cameras
 
 SAMPLE_HEIGHT = 360
+_converter = make_converter()
 JPEG_QUALITY = 92  # 45 dB: below what movement and hue are judged by; 40-80 kB a picture
 
 
@@ -43,6 +46,26 @@ class Sample:
 
     frame: int
     pictures: Mapping[str, NDArray[np.uint8] | None]
+
+
+@frozen
+class _Contents:
+    """Where each picture lies: by sample, camera -> (first byte, bytes)."""
+
+    cameras: tuple[str, ...]
+    frames: tuple[int, ...]
+    pictures: tuple[dict[str, tuple[int, int]], ...]
+
+    def __attrs_post_init__(self) -> None:
+        rising = all(a < b for a, b in pairwise((-1, *self.frames)))
+        spans = [span for row in self.pictures for span in row.values()]
+        known = {name for row in self.pictures for name in row} <= set(self.cameras)
+        if not (rising and known and len(self.frames) == len(self.pictures)) or min(map(min, spans), default=0) < 0:
+            raise Fault("do not fit each other")
+
+    @property
+    def size(self) -> int:
+        return max((sum(span) for row in self.pictures for span in row.values()), default=0)
 
 
 @define(eq=False)
@@ -125,13 +148,13 @@ class SampleStore:
     def load(cls, store: Path) -> SampleStore | None:
         """What `record` wrote to ``store``; None where that was not finished or is not complete."""
         try:
-            contents = json.loads(_contents_of(store).read_text("utf-8"))
-            index = [{name: (start, length) for name, (start, length) in row.items()} for row in contents["pictures"]]
-            frames, cameras = contents["frames"], tuple(contents["cameras"])
-            if store.stat().st_size != max((sum(span) for row in index for span in row.values()), default=0):
+            value = read_json(_contents_of(store), wanted="the contents of samples")
+            contents = structure_document(value, _Contents, _converter, where=str(store), name="samples")
+            check_file(store)
+            if store.stat().st_size != contents.size:
                 return None
-            return cls(frames, cameras, index, store.open("rb"))
-        except (OSError, ValueError, KeyError, TypeError):
+            return cls(list(contents.frames), contents.cameras, list(contents.pictures), store.open("rb"))
+        except (OSError, InputError):
             return None
 
     def close(self) -> None:
@@ -163,7 +186,9 @@ class SampleStore:
     def _read(self, start: int, length: int) -> NDArray[np.uint8]:
         data = np.frombuffer(os.pread(self._file.fileno(), length, start), np.uint8)  # safe from several threads
         picture = cv2.imdecode(data, cv2.IMREAD_COLOR)
-        assert picture is not None, "the sample store was changed by another process"
+        if picture is None:
+            remedy = "Delete it, or the folder it lies in, and run the same command again"
+            raise InputError("holds samples that are damaged", where=str(self._file.name), remedy=remedy)
         return picture  # pyright: ignore[reportReturnType]
 
 

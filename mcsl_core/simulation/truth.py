@@ -16,6 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from mcsl_core.arrays import read_arrays
+from mcsl_core.documents import read_json
 from mcsl_core.errors import DocumentError
 
 from .clocks import Clock
@@ -235,15 +237,14 @@ def load_truth(path: Path | str) -> Truth:
     path = Path(path)
     path = path / "truth.json" if path.is_dir() else path
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-        if document.get("schema") != SCHEMA:
-            raise ValueError(f"schema is {document.get('schema')!r}, expected {SCHEMA!r}")
+        document = read_json(path, wanted="the truth of a simulated recording")
+        if not isinstance(document, dict) or document.get("schema") != SCHEMA:
+            raise ValueError(f"its schema is not {SCHEMA!r}")
         if Path(document["arrays"]).name != document["arrays"]:
             raise ValueError(f"its arrays lie beside it, not at {document['arrays']!r}")
-        with np.load(path.parent / document["arrays"], allow_pickle=False) as stored:
-            arrays = dict(stored)
+        arrays = read_arrays(path.parent / document["arrays"], wanted="the truth's arrays", remedy="", most=1 << 31)
         return _structure(document, arrays)
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, LookupError, TypeError) as error:
         raise DocumentError(
             f"cannot be read as the truth of a simulated recording ({error})", where=str(path),
             remedy="Make the recording again with `mcsl simulate`",

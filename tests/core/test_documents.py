@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import stat
 import subprocess
 import sys
 from pathlib import Path
@@ -127,6 +128,16 @@ def test_when_writing_fails_the_old_file_stands_and_no_half_of_the_new_one(tmp_p
     assert f"{path}: cannot be written (File too large)" in child.stdout
     assert path.read_bytes() == b"the editor's work"
     assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="pipes are files elsewhere")
+def test_a_pipe_or_what_a_link_leads_to_is_never_replaced_by_a_file(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "link.html").symlink_to(tmp_path / "pipe")
+    for name in ("pipe", "link.html"):
+        with pytest.raises(InputError, match=f"{name}: cannot be written: it is a pipe, no file"):
+            write_atomic(tmp_path / name, b"a page")
+    assert stat.S_ISFIFO((tmp_path / "pipe").stat().st_mode)
 
 
 def test_what_cannot_be_replaced_is_named_and_nothing_is_left(tmp_path):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -114,12 +115,23 @@ def _loaded(path: Path, fingerprint: str) -> Network:
 
 
 def fingerprint(path: Path) -> str:
-    """Of the network and all files beside it that share its stem: its description, and weights kept apart."""
+    """Of the network, its description and all files beside it that hold weights: by its stem or named in it."""
     digest = hashlib.sha256()
-    for file in sorted(path.parent.glob(f"{path.stem}.*")) if path.parent.is_dir() else []:
-        if file.is_file():
-            digest.update(file.name.encode() + b"\0" + file.read_bytes())
+    beside = list(path.parent.iterdir()) if path.parent.is_dir() else []
+    named = _weights_named(path) if path.is_file() else set()
+    for file in sorted(beside):  # the stem is compared, not globbed: it may hold brackets
+        if (file.name.startswith(f"{path.stem}.") or file.name in named) and file.is_file():
+            digest.update(os.fsencode(file.name) + b"\0")
+            with file.open("rb") as stream:
+                digest.update(hashlib.file_digest(stream, "sha256").digest())
     return digest.hexdigest()[:24]
+
+
+def _weights_named(path: Path) -> set[str]:
+    """The files that a network says its weights lie in: the key "location", then a name of at most 127 bytes."""
+    data = path.read_bytes()
+    found = re.finditer(rb"\n\x08location\x12([\x01-\x7f])", data)
+    return {os.fsdecode(data[m.end() : m.end() + m[1][0]]).removeprefix("./") for m in found}
 
 
 @hookimpl

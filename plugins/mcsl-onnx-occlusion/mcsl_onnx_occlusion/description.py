@@ -5,14 +5,13 @@ Everything is checked when it is read; a wrong value is refused with the file an
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
 import attrs
 from attrs import field, frozen
 
-from mcsl_core.hooks import DocumentError, Fault, InputError, make_converter, structure_document
+from mcsl_core.hooks import DocumentError, Fault, make_converter, read_toml, structure_document
 
 LAYOUTS = ("NCHW", "NHWC")
 COLOURS = ("RGB", "BGR")
@@ -95,14 +94,7 @@ class Description:
 
 def read_description(path: Path) -> Description:
     """The description in ``path``; InputError where there is none, DocumentError with the key where one is wrong."""
-    try:
-        value = tomllib.loads(path.read_text("utf-8"))
-    except OSError as error:
-        raise InputError(
-            f"cannot be read ({error.strerror})", where=str(path), remedy=f"It must stand beside the network. {_REMEDY}"
-        ) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise DocumentError(f"is not TOML: {error}", where=str(path), remedy=_REMEDY) from error
+    value = read_toml(path, wanted="a network's description", remedy=_REMEDY)
     try:
         return structure_document(value, Description, make_converter(), where=str(path), name="")
     except DocumentError as error:

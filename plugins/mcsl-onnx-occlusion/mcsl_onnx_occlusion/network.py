@@ -86,6 +86,7 @@ class Network:
                 remedy=_REMEDY,
             ) from error
         classes = self._classes(np.asarray(raw))
+        self._check_shape(classes.shape[-2:], np.shape(raw))
         return Maps(self._map(classes, output.field), self._map(classes, output.occluder))
 
     def _input(self, picture: NDArray[np.uint8]) -> NDArray:
@@ -141,6 +142,20 @@ class Network:
                 "output.meaning",
             )
         return scores
+
+    def _check_shape(self, found: tuple[int, ...], raw: tuple[int, ...]) -> None:
+        """InputError where a map has not the shape of the picture, smaller by whatever the network's strides are."""
+        (width, height), (rows, columns) = self.size, found
+        # rows = height / stride, columns = width / stride, each rounded by up to one.
+        if min(found) > 1 and abs(rows * width - columns * height) <= width + height:
+            return
+        layout = "NHWC" if self.description.output.layout == "NCHW" else "NCHW"
+        raise InputError(
+            f"the network gives {'x'.join(map(str, raw))}, by {self.description.output.layout} maps of "
+            f"{columns}x{rows} pixels, which is no picture of {width}x{height}",
+            where=f"{self.path.with_suffix('.toml')} at output.layout",
+            remedy=f'Write layout = "{layout}" under [output] if that is its order of axes. {_REMEDY}',
+        )
 
     def _map(self, classes: NDArray, wanted: tuple[int, ...]) -> Map | None:
         if not wanted:

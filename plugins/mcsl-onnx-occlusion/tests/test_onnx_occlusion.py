@@ -7,6 +7,7 @@ from pathlib import Path
 import mcsl_onnx_occlusion as plugin
 import networks
 import numpy as np
+import onnx
 import pytest
 from mcsl_onnx_occlusion.description import read_description
 from mcsl_onnx_occlusion.network import Network
@@ -143,6 +144,22 @@ def test_another_network_is_another_result_in_the_cache(tmp_path, use) -> None:
     assert len({first, second, identity(offer)}) == 3
 
 
+@pytest.mark.parametrize("name", ["net[1].onnx", "net*.onnx", "[a-z]?.onnx", "net.onnx"])
+def test_the_content_is_the_identity_whatever_the_file_is_called(tmp_path, name) -> None:
+    """A name with brackets is no pattern; of another network's weights, in a file of any name, nothing is shared."""
+    path = described(networks.reddish(tmp_path / name), FIELD)
+    seen = {plugin.fingerprint(path)}
+    described(networks.reddish(path, logits=False), FIELD)
+    seen.add(plugin.fingerprint(path))
+    described(path, FIELD + "threshold = 0.6\n")
+    seen.add(plugin.fingerprint(path))
+    onnx.save(onnx.load(path), path, save_as_external_data=True, location="weights of it.bin", size_threshold=0)
+    seen.add(plugin.fingerprint(path))
+    (tmp_path / "weights of it.bin").write_bytes(b"others")
+    seen.add(plugin.fingerprint(path))
+    assert len(seen) == 5
+
+
 # ----------------------------------------------------------------------------------------------------- refusals
 
 
@@ -200,9 +217,36 @@ def test_a_network_that_does_not_fit_is_refused_by_file_and_key(tmp_path, make, 
     assert spot in caught.value.where
 
 
+def nhwc(path: Path, *, pooled: bool = False) -> Path:
+    """1xHxWx1 out of 1xHxWx3; pooled: 1x1x1x1."""
+    nodes = [
+        networks.helper.make_node("ReduceMean", ["picture"], ["out"], axes=[1, 2, 3] if pooled else [3], keepdims=1),
+    ]
+    return networks.save(path, nodes, layout="NHWC")
+
+
+@pytest.mark.parametrize("wide", [True, False])
+def test_an_output_of_another_shape_is_refused_with_what_to_write(tmp_path, wide) -> None:
+    path = described(nhwc(tmp_path / "net.onnx", pooled=not wide), '[input]\nlayout="NHWC"\n' + FIELD)
+    with pytest.raises(InputError) as caught:
+        Network.load(path)
+    assert caught.value.where == f"{tmp_path / 'net.toml'} at output.layout"
+    given = "1x64x96x1, by NCHW maps of 1x96 pixels" if wide else "1x1x1x1, by NCHW maps of 1x1 pixels"
+    assert f"the network gives {given}, which is no picture of 96x64" in caught.value.what
+    assert 'layout = "NHWC" under [output]' in caught.value.remedy
+
+
+def test_the_network_that_was_reported_is_refused_by_shape() -> None:
+    path = Path(__file__).parents[4] / "shared" / "data" / "faults" / "onnx" / "nhwc3.onnx"
+    if not path.is_file():
+        pytest.skip("the material is not here")
+    with pytest.raises(InputError, match="which is no picture of 96x64"):
+        Network.load(path)
+
+
 def test_a_file_that_is_no_network_is_refused_by_name(tmp_path) -> None:
     path = tmp_path / "net.onnx"
-    with pytest.raises(InputError, match=r"net\.toml: cannot be read"):
+    with pytest.raises(InputError, match=r"net\.toml: does not exist"):
         Network.load(path)
     described(path, FIELD)
     with pytest.raises(InputError, match=r"net\.onnx: is not there"):

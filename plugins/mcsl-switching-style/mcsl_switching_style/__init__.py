@@ -7,14 +7,13 @@ A style says what cuts cost (`style.Style`); of all ways to cut the recording th
 from __future__ import annotations
 
 import os
-import tomllib
 from fractions import Fraction
 from pathlib import Path
 
 import attrs
 from attrs import field, frozen
 
-from mcsl_core.hooks import InputError, ScoreTable, Shot, hookimpl, sample_borders, shots_from
+from mcsl_core.hooks import InputError, ScoreTable, Shot, hookimpl, read_toml, sample_borders, shots_from
 
 from .planning import best_path
 from .style import CALM, CLOSE, TEACHING, Style, costs_of
@@ -86,11 +85,12 @@ class OwnStyle:
 
 def load_style(path: Path) -> Style:
     """The style in a TOML file: `base`, the name of the style it starts from (calm), and what it does otherwise."""
+    remedy = f"See the table in the README of mcsl-switching-style, or unset {VARIABLE}"
+    values = read_toml(path, wanted="a style", remedy=remedy)
     try:
-        values = tomllib.loads(path.read_text("utf-8"))
         bases = {"calm": CALM, "close": CLOSE, "teaching": TEACHING}
         base = values.pop("base", "calm")
-        if base not in bases:
+        if not isinstance(base, str) or base not in bases:
             raise ValueError(f"base is {base!r}, expected one of {', '.join(bases)}")
         kinds = {f.name: type(f.default) for f in attrs.fields(Style)}
         for name, value in values.items():
@@ -98,11 +98,9 @@ def load_style(path: Path) -> Style:
                 raise ValueError(f"there is no {name!r}, expected one of {', '.join(kinds)}")
             if not isinstance(value, kinds[name]) and (type(value), kinds[name]) != (int, float):
                 raise ValueError(f"{name} is {value!r}, expected a {'text' if kinds[name] is str else 'number'}")
-        return attrs.evolve(bases[base], **values)
-    except (OSError, ValueError) as error:
-        fault = error.args[0] if type(error) is ValueError else f"cannot be read: {error}"  # a validator says more
-        remedy = f"See the table in the README of mcsl-switching-style, or unset {VARIABLE}"
-        raise InputError(str(fault), where=str(path), remedy=remedy) from error
+        return attrs.evolve(bases[base], **{n: v if kinds[n] is str else float(v) for n, v in values.items()})
+    except (ValueError, OverflowError) as error:
+        raise InputError(str(error.args[0]), where=str(path), remedy=remedy) from error  # a validator says more
 
 
 @hookimpl

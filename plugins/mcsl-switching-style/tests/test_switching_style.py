@@ -210,7 +210,8 @@ def test_a_style_of_ones_own_is_read_from_the_file_that_the_environment_names(
         ("pace = 3", "pace"),
         ("preferred = 2", "preferred is 2, expected a text"),
         ('base = "wild"', "expected one of calm, close, teaching"),
-        ("hold = ", "cannot be read"),
+        ("hold = ", "is not TOML"),
+        ("base = [1]", "base is [1], expected one of"),
     ],
 )
 def test_a_wrong_style_is_refused_with_what_is_wrong(tmp_path: Path, text: str, message: str) -> None:
