@@ -87,8 +87,11 @@ class Cancelled(McslError):
 
     exit_code = 130
 
-    def __init__(self) -> None:
-        super().__init__("stopped", remedy="The same command carries on where it stopped")
+    def __init__(self, *, carries_on: bool = False) -> None:
+        super().__init__(
+            "stopped",
+            remedy="The same command carries on where it stopped" if carries_on else "Nothing half-written is left",
+        )
 
 
 @contextmanager

@@ -13,7 +13,10 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import sys
+import threading
+import time
 import traceback
 from pathlib import Path
 from typing import IO, Any
@@ -25,12 +28,22 @@ def main() -> None:
     here = str(Path(__file__).resolve().parent)
     sys.path[:] = [p for p in sys.path if p != here]  # a script's folder comes first: our tasks.py hides no other
     sys.path.extend(p for p in order["paths"] if p not in sys.path)  # last, so that Blender's numpy stays its own
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     with open(order["messages"], "a", encoding="utf-8") as stream:
         code = _answer(order, stream)
     sys.stdout.flush()
     sys.stderr.flush()
     # Not sys.exit: as a module, 4.5 hangs for minutes freeing its window layout after read_homefile.
     os._exit(code)
+
+
+def _end_with_parent() -> None:
+    """Ends this process and what it started once the one that asked is gone, killed or crashed: nobody waits for it."""
+    parent = os.getppid()
+    while os.name != "nt":
+        time.sleep(0.5)
+        if os.getppid() != parent:
+            os.killpg(os.getpgid(0), signal.SIGKILL)
 
 
 def _answer(order: dict[str, Any], stream: IO[str]) -> int:

@@ -19,6 +19,7 @@ from typing import NoReturn, TypeVar
 from mcsl_core.errors import BlenderError, InputError, McslError, UsageError
 from mcsl_core.progress import CancelToken, Progress, Silent
 
+from .children import ended_afterwards
 from .installation import Blender, explain_missing
 from .messages import Done, Failed, Failure, MessageFile, Note, Request, Result, Stage, structure, to_json
 
@@ -107,10 +108,8 @@ def run_task(blender: Blender, request: Request[Answer], progress: Progress | No
                 env=environment,
                 start_new_session=True,
             )
-        try:
+        with ended_afterwards(child):
             last = _listen(child, MessageFile(messages), progress)
-        finally:
-            _end(child)
         if isinstance(last, Result):
             return structure(last.result, request.answer, where=f"Blender's answer to the task {request.task}")
         _raise(blender, last and last.error, child.returncode, log.read_text("utf-8", "replace"))
@@ -140,15 +139,6 @@ def _listen(child: subprocess.Popen[bytes], messages: MessageFile, progress: Pro
         if isinstance(token := getattr(progress, "token", None), CancelToken):
             token.check()
         time.sleep(_POLL_S)
-
-
-def _end(child: subprocess.Popen[bytes]) -> None:
-    """The child and whatever it started are gone when this returns."""
-    if os.name == "nt":
-        child.kill()
-    elif child.poll() is None:
-        os.killpg(child.pid, signal.SIGKILL)
-    child.wait()
 
 
 def _raise(blender: Blender, error: Failure | None, code: int, log: str) -> NoReturn:

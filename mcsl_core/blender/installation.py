@@ -25,6 +25,8 @@ from attrs import frozen
 from mcsl_core.errors import BlenderError, McslError, UsageError
 from mcsl_core.progress import Progress, Silent
 
+from .children import ended_afterwards
+
 SUPPORTED = {(4, 5): "4.5 LTS", (5, 0): "5.0", (5, 2): "5.2 LTS"}
 SUPPORTED_TEXT = "4.5 LTS, 5.0 or 5.2 LTS"
 
@@ -345,13 +347,11 @@ def _call(command: list[str], report: Callable[[str], None]) -> None:
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, text=True, env=environment
     ) as child:
         assert child.stdout is not None
-        try:
+        with ended_afterwards(child):
             for line in child.stdout:
                 lines.append(line.rstrip())
                 report(lines[-1].strip())
-        except BaseException:
-            child.kill()
-            raise
+            child.wait()
     if child.returncode != 0:
         tail = "\n".join(lines[-6:])
         raise BlenderError(

@@ -2,6 +2,9 @@
 
 import sys
 
-from .main import main
+try:
+    from .start import main
+except KeyboardInterrupt:
+    sys.exit(130)
 
 sys.exit(main())

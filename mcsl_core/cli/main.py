@@ -5,11 +5,11 @@ Exit codes: 0 done, 2 wrong call, 3 input refused, 4 failed, 130 stopped.
 
 from __future__ import annotations
 
-import contextlib
 import os
-import signal
 import sys
+from functools import partial
 from itertools import pairwise
+from typing import IO
 
 import click
 
@@ -17,6 +17,7 @@ from mcsl_core import __version__
 from mcsl_core.errors import Cancelled, McslError, UsageError
 from mcsl_core.progress import JsonLines
 
+from . import stopping
 from .commands import COMMANDS
 from .options import Commands
 from .output import MODES, Session, own_output
@@ -43,28 +44,35 @@ def cli(ctx: click.Context, progress: str, debug: bool) -> None:
     ctx.obj = Session(progress, debug)
 
 
+_CARRY_ON = ("analyse", "conform", "render")  # they keep what is finished
+
 for command in COMMANDS:
     cli.add_command(command)
 
 
-def _stop(_signal: int, _frame: object) -> None:
-    raise KeyboardInterrupt
-
-
 def main(arguments: list[str] | None = None) -> int:
     """Runs the command line and returns its exit code; every error is one line for people."""
-    with contextlib.suppress(ValueError):  # not in the main thread: nobody sends us signals there
-        signal.signal(signal.SIGTERM, _stop)
+    if arguments is not None:
+        return _run(arguments)
+    stopping.install()
+    code = _run(sys.argv[1:])
+    stopping.finish(code)
+    return code
+
+
+def _run(arguments: list[str]) -> int:
     own_output()
-    arguments = sys.argv[1:] if arguments is None else arguments
     debug, as_json = "--debug" in arguments, _wants_json(arguments)
+    stopped = _stopped(arguments)
     try:
+        stopping.begin(partial(_fail, stopped, as_json, sys.stdout, sys.stderr))  # bars put others in their place
         cli.main(arguments, prog_name="mcsl", standalone_mode=False)
         return 0
     except click.exceptions.Exit as done:
         return done.exit_code
     except (KeyboardInterrupt, click.Abort, Cancelled):
-        return _fail(Cancelled(), as_json)
+        stopping.tell_once()
+        return stopped.exit_code
     except click.ClickException as error:
         if isinstance(error, click.UsageError) and not as_json:
             error.show()
@@ -78,6 +86,9 @@ def main(arguments: list[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except Exception as error:
+        if stopping.was_asked():  # an import, say, turned the interrupt into an error of its own
+            stopping.tell_once()
+            return stopped.exit_code
         if debug:
             raise
         return _fail(_told(error, arguments), as_json)
@@ -103,15 +114,21 @@ def _told(error: Exception, arguments: list[str]) -> McslError:
     )
 
 
+def _stopped(arguments: list[str]) -> Cancelled:
+    """What is said when the command is stopped: whether the same one would carry on."""
+    command = next((word for word in arguments if word in cli.commands), None)
+    return Cancelled(carries_on=command in _CARRY_ON and "--no-cache" not in arguments)
+
+
 def _wants_json(arguments: list[str]) -> bool:
     return "--progress=json" in arguments or ("--progress", "json") in pairwise(arguments)
 
 
-def _fail(error: McslError, as_json: bool) -> int:
+def _fail(error: McslError, as_json: bool, out: IO[str] | None = None, err: IO[str] | None = None) -> int:
     if as_json:
-        JsonLines(sys.stdout).error(error.what, error.where, error.remedy, error.exit_code)
+        JsonLines(out or sys.stdout).error(error.what, error.where, error.remedy, error.exit_code)
     else:
-        print(f"mcsl: {error}", file=sys.stderr)
+        print(f"mcsl: {error}", file=err or sys.stderr, flush=True)
     return error.exit_code
 
 
