@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
+from fractions import Fraction
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -33,7 +34,7 @@ from mcsl_core.sync.synchronise import synchronise
 from .cache import CLOCKS, CUTS, MOVEMENTS, POSES, SCORES, Deferred, StageCache
 from .measurements import Measurements
 from .settings import AnalysisSettings
-from .stage_keys import stage_keys
+from .stage_keys import clocks_key, stage_keys
 
 
 def analyse(
@@ -50,20 +51,16 @@ def analyse(
     reference = choose_reference(cameras, settings.reference)
     out.parent.mkdir(parents=True, exist_ok=True)  # media paths lead through it
     rate = settings.rate or reference.rate
-    frames = programme_length(reference, out.parent, rate)
+    cache = StageCache(cache_folder(out) if settings.cache else None, progress)
+    footage = _on_one_clock(cameras, reference.name, out.parent, rate, settings, cache, progress)
+    cameras, frames = footage.cameras, footage.frames
     sizes = {camera.name: camera.size for camera in cameras}
     shown = Shown(float(rate), frames, reference.size, sizes)
     gaze = [read_gaze(path, shown) for path in settings.gaze]
-    cache = StageCache(cache_folder(out) if settings.cache else None, progress)
     keys = stage_keys(cameras, reference.name, rate, frames, settings, chosen)
     watch = Watch(float(frames / rate), progress.note)
     by = {stage: attrs.evolve(offer, watch=watch).checked for stage, offer in chosen.items()}
 
-    clocks = cache.remember(
-        CLOCKS, keys.clocks, synchronise, settings.sync, cameras, out.parent, progress, reference=reference.name
-    )
-    cameras = tuple(attrs.evolve(camera, clock=clock) for camera, clock in zip(cameras, clocks, strict=True))
-    footage = Footage(cameras, rate=rate, frames=frames, base=out.parent)
     with ExitStack() as opened:
         samples = Deferred(opened.enter_context, _samples(footage, cache, keys.samples, settings.sample_s, progress))
         detection = cache.remember(MOVEMENTS, keys.movements, by["movement"].detect, samples, footage, progress)
@@ -101,6 +98,23 @@ def analyse(
 def cache_folder(out: Path) -> Path:
     """Where the results of the stages lie: beside the EDL ``out``. It may be deleted at any time."""
     return out.with_name(f"{out.stem}.cache")
+
+
+def _on_one_clock(
+    cameras: Sequence[edl.Camera],
+    reference: str,
+    base: Path,
+    rate: Fraction,
+    settings: AnalysisSettings,
+    cache: StageCache,
+    progress: Progress,
+) -> Footage:
+    """The cameras with their clocks, over the length of the programme."""
+    key = clocks_key(cameras, reference, settings)
+    clocks = cache.remember(CLOCKS, key, synchronise, settings.sync, cameras, base, progress, reference=reference)
+    timed = [attrs.evolve(camera, clock=clock) for camera, clock in zip(cameras, clocks, strict=True)]
+    frames = programme_length(Footage(timed, rate=rate, frames=1, base=base), reference, progress)
+    return Footage(timed, rate=rate, frames=frames, base=base)
 
 
 def _chosen(settings: AnalysisSettings, plugins: Plugins) -> dict[str, Offer]:

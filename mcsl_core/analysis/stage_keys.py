@@ -52,13 +52,18 @@ def stage_keys(
 ) -> StageKeys:
     """The keys for a recording. cameras: with their media's fingerprints. chosen: stage -> who does it."""
     by = {stage: identity(offer) for stage, offer in chosen.items()}
-    media = [[camera.name, *(media.fingerprint for media in camera.media)] for camera in cameras]
-    clocks = key_of(code_of(synchronise), media, reference, settings.sync)
+    clocks = clocks_key(cameras, reference, settings)
     samples = key_of(code_of(SampleStore), clocks, rate, frames, settings.sample_s)
     movements = key_of(samples, by["movement"])
     poses = key_of(code_of(solve_poses), movements, reference, by["matcher"], by["aligner"], settings.solve)
     scores = key_of(code_of(score_views), poses, by["occlusion"])
     return StageKeys(clocks, samples, movements, poses, scores)
+
+
+def clocks_key(cameras: Sequence[Camera], reference: str, settings: AnalysisSettings) -> str:
+    """Of the cameras' clocks, on which the programme's length depends, and with it all that comes after."""
+    media = [[camera.name, *(media.fingerprint for media in camera.media)] for camera in cameras]
+    return key_of(code_of(synchronise), media, reference, settings.sync)
 
 
 def identity(offer: Offer) -> tuple[str, str, str]:

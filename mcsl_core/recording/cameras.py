@@ -13,10 +13,14 @@ from mcsl_core.errors import InputError, UsageError
 from mcsl_core.media.facts import MediaFacts
 from mcsl_core.media.probing import probe
 from mcsl_core.progress import Progress
+from mcsl_core.timing import format_time
 
 from .contents import read_contents
 from .discovery import discover
+from .footage import Footage
 from .joining import describe_joins, joined
+
+_LOST_S = 1  # so much of another camera may lie outside the reference camera's recording
 
 
 def open_cameras(recording: Sequence[Path], base: Path, progress: Progress) -> tuple[Camera, ...]:
@@ -74,10 +78,38 @@ def relative_path(path: Path, base: Path) -> str:
         return path.resolve().as_posix()
 
 
-def programme_length(reference: Camera, base: Path, rate: Fraction) -> int:
-    """Frames of the programme: the reference camera's length at the programme's ``rate``, at least 1."""
-    seconds = sum(Fraction(probe(base / m.path).duration_s) for m in reference.media)
-    return max(1, floor(seconds * rate + Fraction(1, 2)))
+def programme_length(footage: Footage, reference: str, progress: Progress) -> int:
+    """Frames of the programme: until the last camera ends, at least 1.
+
+    It ends with the reference camera where that loses at most a second of another: operators stop recorders one after
+    another.
+
+    Parameters
+    ----------
+    footage
+        The cameras with their clocks; its own length is not read.
+    reference
+        The camera whose clock the programme keeps, and with whose first picture it begins.
+    progress
+        Told of what the reference camera does not show.
+    """
+    ends = {c.name: c.clock.programme_time(footage.parts(c.name)[-1].end_s) for c in footage.cameras}
+    own_s, last = footage.parts(reference)[-1].end_s, max(ends, key=lambda name: ends[name])
+    for camera in footage.cameras:
+        begins_s = camera.clock.programme_time(footage.parts(camera.name)[0].first_s)
+        if begins_s < -_LOST_S:
+            progress.note(
+                f"{camera.name} begins {-begins_s:.1f} s before {reference}, the reference camera, with which the "
+                f"programme begins (--reference {camera.name} would begin it earlier)"
+            )
+    seconds = own_s
+    if ends[last] > own_s + _LOST_S:
+        seconds = Fraction(ends[last])
+        progress.note(
+            f"{reference}, the reference camera, ends at {format_time(own_s)}; the programme goes on with others until "
+            f"{format_time(seconds)}, where {last} ends. Its sound is {reference}'s unless another's is chosen"
+        )
+    return max(1, floor(seconds * footage.rate + Fraction(1, 2)))
 
 
 def choose_reference(cameras: Sequence[Camera], name: str | None) -> Camera:

@@ -32,6 +32,11 @@ class Part:
     begin_s: Fraction
 
     @property
+    def first_s(self) -> Fraction:
+        """The camera's own time of the file's first picture."""
+        return self.begin_s + self.facts.start_s
+
+    @property
     def end_s(self) -> Fraction:
         """The camera's own time at the end of the file's last picture."""
         return self.begin_s + self.facts.end_s

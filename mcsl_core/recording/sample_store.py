@@ -172,6 +172,10 @@ class SampleStore:
         spans = self._index[position]
         return self._read(*spans[camera]) if camera in spans else None
 
+    def shows(self, position: int, camera: str) -> bool:
+        """Whether a camera has a picture at one position; reads none."""
+        return camera in self._index[position]
+
     def __iter__(self) -> Iterator[Sample]:
         return (self[i] for i in range(len(self)))
 
