@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import logging
+from collections.abc import Sequence
 from fractions import Fraction
 from functools import lru_cache
 from pathlib import Path
@@ -21,13 +22,15 @@ from .facts import MediaFacts, displayed_size, is_variable
 from .opening import main_video, open_file, refuse_raw, time_origin_of, timestamp_of
 from .orientation import orientation_of
 from .scan import scan_of
-from .timestamps import frame_rate
+from .timestamps import frame_rate, set_back
 from .tracks import AudioTrack, audio_tracks
 
 log = logging.getLogger(__name__)
 
 _WHOLE_BYTES = 64 << 20  # a file without an index is scanned whole up to this size (0.1 s), else at its ends
 _HEAD_PACKETS = 600
+_BY_BYTES, _PLACES = ("mpegts", "mpeg"), 64  # formats that can be sought by bytes; where to look for a clock set back
+_LASTING = 10  # packets
 _REORDER_PACKETS = 64  # so many tell whether pictures are reordered: groups of B-frames are of 16 at most
 
 
@@ -204,6 +207,7 @@ def _from_packets(path: Path, header: _Header) -> _Packets:
     """Of a file without a full index, by reading its packets: all of them, or those at the ends of a large file."""
     whole, promised = path.stat().st_size <= _WHOLE_BYTES, header.promised_end_s
     stamps, keyframes, end = _scan(path, None if whole else _HEAD_PACKETS)
+    _refuse_joined(path, header, stamps if whole else _sampled(path), lasting=_LASTING if whole else 1)
     if not whole:
         end = _end(path, int(((promised or 0) + header.zero_s) / header.tick), any_frame=False) or end
     end_s = None if end is None else end - header.zero_s
@@ -215,6 +219,35 @@ def _from_packets(path: Path, header: _Header) -> _Packets:
         usable_s=end_s if cut_short else None,
         frames=len(stamps) if whole else None,
     )
+
+
+def _refuse_joined(path: Path, header: _Header, stamps: Sequence[int], *, lasting: int) -> None:
+    at = set_back(stamps, header.tick, lasting=lasting)
+    if at is not None:
+        raise MediaError(
+            f"its clock is set back after {float(at - header.zero_s):.1f} s, as in files joined end to end",
+            where=str(path),
+            remedy=f"Hand in the files it was joined from, or give it one clock: ffmpeg -i {path.name} -map 0 -c copy "
+            f"{path.stem}-joined.mkv",
+        )
+
+
+def _sampled(path: Path) -> list[int]:
+    """Decoding times at places spread over a transport or programme stream; none of other files."""
+    stamps = []
+    with open_file(path) as container:
+        if container.format.name not in _BY_BYTES:
+            return []
+        stream = main_video(container, path)
+        for place in range(_PLACES):
+            try:
+                container.seek(path.stat().st_size * place // _PLACES, unsupported_byte_offset=True)
+                packet = next((p for p in container.demux(stream) if p.dts is not None), None)
+            except FFmpegError:
+                continue
+            if packet is not None:
+                stamps.append(packet.dts)
+    return stamps
 
 
 def _promised_end(container: Any, stream: Any, zero: Fraction) -> Fraction | None:

@@ -69,7 +69,29 @@ def _grid_rate(steps: NDArray[np.int64], tick: Fraction) -> Fraction | None:
     return Fraction(int(slots[fits].sum())) / (int(steps[fits].sum()) * tick)
 
 
-def jumps_back(stamps: Sequence[int], tick: Fraction) -> list[int]:
-    """Positions in ``stamps`` (decoding order, ticks) before which the clock was set back: files joined end to end."""
-    steps = np.diff(np.array(stamps, np.int64))
-    return [int(i) + 1 for i in np.flatnonzero(steps * float(tick) < -JUMP_S)]
+def set_back(stamps: Sequence[int], tick: Fraction, *, lasting: int) -> Fraction | None:
+    """Where a file's clock was set back by more than a second, as in files joined end to end; None where it was not.
+
+    Parameters
+    ----------
+    stamps
+        In ticks, in the order of the file.
+    tick
+        Seconds.
+    lasting
+        How many timestamps from there on must lie below: a damaged one alone says nothing, nor do reordered pictures.
+
+    Returns
+    -------
+    Fraction or None
+        Seconds of the clock, just before it was set back.
+    """
+    values = np.array(stamps, np.int64)
+    if len(values) < 2:
+        return None
+    before = np.maximum.accumulate(values)[:-1]
+    below = (before - values[1:]) * float(tick) > JUMP_S
+    for at in np.flatnonzero(below):
+        if below[at : at + lasting].all() and len(below) - at >= lasting:
+            return int(before[at]) * tick
+    return None

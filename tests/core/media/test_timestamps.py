@@ -8,8 +8,9 @@ import pytest
 from coded_video import DATA, write_coded
 
 from mcsl_core.errors import MediaError
+from mcsl_core.media import probing
 from mcsl_core.media.probing import probe
-from mcsl_core.media.timestamps import frame_rate
+from mcsl_core.media.timestamps import frame_rate, set_back
 
 NTSC = Fraction(30000, 1001)
 MS = Fraction(1, 1000)
@@ -87,3 +88,34 @@ def test_raw_streams_are_refused_by_name_with_a_remedy(tmp_path, suffix, codec, 
         assert container.format.name in ("h264", "hevc", "mpegvideo")
     with pytest.raises(MediaError, match="no timestamps"):
         probe(renamed)
+
+
+@pytest.mark.parametrize("large", [False, True])
+@pytest.mark.parametrize("suffix", [".ts", ".mpg"])
+def test_files_joined_end_to_end_are_refused_where_the_clock_is_set_back(tmp_path, monkeypatch, suffix, large):
+    codec = {"codec": "mpeg2video", "options": {"bf": "2", "b": "2M"}} if suffix == ".mpg" else {}
+    one, two = (write_coded(tmp_path / f"{n}{suffix}", range(150), **codec) for n in "ab")
+    if large:
+        monkeypatch.setattr(probing, "_WHOLE_BYTES", 1000)
+    assert probe(one).rate == 30
+    joined = tmp_path / f"joined{suffix}"
+    joined.write_bytes(one.read_bytes() + two.read_bytes())
+    with pytest.raises(MediaError, match=r"set back after [45]\.\d s") as caught:
+        probe(joined)
+    assert "ffmpeg -i joined" in caught.value.remedy
+
+
+def test_one_wrong_timestamp_is_no_clock_set_back():
+    stamps = list(range(0, 300000, 3000))
+    assert set_back(stamps, Fraction(1, 90000), lasting=10) is None
+    stamps[50] = 7
+    assert set_back(stamps, Fraction(1, 90000), lasting=10) is None
+    assert set_back(stamps + stamps[:30], Fraction(1, 90000), lasting=10) == Fraction(297000, 90000)
+
+
+def test_a_recording_joined_by_cat():
+    path = DATA / "faults" / "ts-joined-by-cat" / "cam1.ts"
+    if not path.is_file():
+        pytest.skip("the folder ../shared/data/faults/ts-joined-by-cat is not here")
+    with pytest.raises(MediaError, match="set back after"):
+        probe(path)
