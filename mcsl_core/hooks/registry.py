@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator, Sequence
-from functools import cached_property
+from functools import cache, cached_property
 from importlib import metadata
+from threading import Timer
 from typing import Any
 
 import attrs
@@ -22,6 +24,9 @@ from .guards import GUARDS
 from .specs import PROJECT, Hooks
 from .stages import STAGES, Stage
 from .watch import Watch
+
+log = logging.getLogger(__name__)
+_SLOW_S = 30  # torch takes ten seconds on a cold disk
 
 
 @frozen(eq=False)
@@ -71,9 +76,18 @@ class Offer:
 
 @frozen(eq=False)
 class Plugins:
-    """Everything on offer, by stage and name."""
+    """Everything on offer, by stage and name.
+
+    Attributes
+    ----------
+    offers : tuple of Offer
+        In order.
+    left_out : tuple of PluginError
+        What is wrong with each installed plugin that cannot be used.
+    """
 
     offers: tuple[Offer, ...]
+    left_out: tuple[PluginError, ...] = ()
 
     def choose(self, stage: str, name: str | None = None) -> Offer:
         """Choose the object for a stage.
@@ -99,6 +113,12 @@ class Plugins:
             if (offer.stage, offer.name) == (stage, name):
                 return offer
         known = ", ".join(o.name for o in self.offers if o.stage == stage)
+        if self.left_out:  # it may be the one that brings it
+            told = "; ".join(f"{error.where} {error.what}" for error in self.left_out)
+            raise PluginError(
+                f"there is no {STAGES[stage].noun} named {name!r}, but {told}",
+                remedy=f"Repair that plugin, or choose one of {known}",
+            )
         raise UsageError(
             f"there is no {STAGES[stage].noun} named {name!r}",
             remedy=f"Choose one of {known}, or install the plugin that brings it (`mcsl plugins` lists all)",
@@ -136,7 +156,7 @@ def filler_offer(edl: Edl) -> Offer:
     name, _, package = made.partition(" (")
     try:
         return discover().choose("filler", name or None)
-    except UsageError as error:
+    except UsageError as error:  # a PluginError names the one that cannot be used
         raise PluginError(
             f"was made with the filler {made}, which is not installed",
             where="the EDL",
@@ -161,36 +181,54 @@ def discover(extra: Sequence[tuple[object, str, str]] = (), *, entry_points: boo
     Raises
     ------
     PluginError
-        Names what is wrong with whom, for instance two objects of one name.
+        Names what is wrong with whom: two objects of one name, or one of ``extra`` that cannot be used. What is
+        installed and cannot be used is left out with a warning.
     """
-    sources: list[tuple[object, str, str]] = [(builtin, "mcsl", __version__)]
-    if entry_points:
-        sources += [_loaded(point) for point in sorted(metadata.entry_points(group=PROJECT), key=lambda p: p.name)]
+    found = [offer for source in [(builtin, "mcsl", __version__), *extra] for offer in _offers(*source)]
+    left_out: list[PluginError] = []
+    for point in sorted(metadata.entry_points(group=PROJECT), key=lambda p: p.name) if entry_points else ():
+        try:
+            found += _offers(*_loaded(point))
+        except PluginError as error:
+            left_out.append(error)
+            _warn(f"{error.where} {error.what}: it is left out. {error.remedy}")
     offers: dict[tuple[str, str], Offer] = {}
-    for source, package, version in [*sources, *extra]:
-        for offer in _offers(source, package, version):
-            key = (offer.stage, offer.name)
-            if key in offers:
-                raise PluginError(
-                    f"two {offer.stage} plugins are named {offer.name!r}",
-                    where=f"{offers[key].package} and {package}",
-                    remedy="Uninstall one of them, or have its author rename it",
-                )
-            offers[key] = offer
-    return Plugins(tuple(offers.values()))
+    for offer in found:
+        key = (offer.stage, offer.name)
+        if key in offers:
+            raise PluginError(
+                f"two {offer.stage} plugins are named {offer.name!r}",
+                where=f"{offers[key].package} and {offer.package}",
+                remedy="Uninstall one of them, or have its author rename it",
+            )
+        offers[key] = offer
+    return Plugins(tuple(offers.values()), tuple(left_out))
+
+
+@cache
+def _warn(text: str) -> None:
+    """Once, however often plugins are looked for."""
+    log.warning("%s", text)
 
 
 def _loaded(point: metadata.EntryPoint) -> tuple[object, str, str]:
     package = point.dist.name if point.dist else point.value
     version = point.dist.version if point.dist else "?"
+    where = f"plugin {package} {version} ({point.value})"
+    # What hangs cannot be ended, but named.
+    slow = Timer(_SLOW_S, _warn, [f"{where} has been importing for {_SLOW_S} s. If that is wrong, uninstall {package}"])
+    slow.daemon = True
+    slow.start()
     try:
         return point.load(), package, version
-    except Exception as error:
+    except (Exception, SystemExit) as error:  # a plugin that ends the program is no reason to end
         raise PluginError(
             f"cannot be imported: {type(error).__name__}: {error}",
-            where=f"plugin {package} {version} ({point.value})",
+            where=where,
             remedy=f"Repair or uninstall it: pip uninstall {package}",
         ) from error
+    finally:
+        slow.cancel()
 
 
 def _offers(source: object, package: str, version: str) -> list[Offer]:
@@ -214,7 +252,7 @@ def _registered(manager: pluggy.PluginManager, kind: Stage, who: str) -> Iterato
     """The objects that a plugin's hook for one stage returns."""
     try:
         results = getattr(manager.hook, kind.hook)()
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise PluginError(
             f"{kind.hook} failed: {type(error).__name__}: {error}", where=who, remedy="Repair or uninstall it"
         ) from error

@@ -22,6 +22,7 @@ from mcsl_core.errors import InputError, UsageError
 from mcsl_core.hooks.stages import STAGES
 
 ROOT = Path(__file__).parents[2]
+HOOK = "from mcsl_core.hooks import hookimpl\n@hookimpl\n"
 
 
 class Written:
@@ -175,3 +176,50 @@ def test_a_folder_that_is_there_is_left_alone(tmp_path: Path) -> None:
 def test_a_stage_that_there_is_not_lists_those_that_there_are(capsys) -> None:
     assert main(["plugin", "new", "mine", "--stage", "magic"]) == 2
     assert "'movement', 'matcher', 'aligner', 'occlusion'" in capsys.readouterr().err
+
+
+BROKEN = {
+    "imports what is not here": "import nosuch_library",
+    "is no Python": "def (:",
+    "raises": "raise RuntimeError('no licence')",
+    "ends the program": "import sys; sys.exit('bye')",
+    "ends it in silence": "raise SystemExit",
+    "has a hook that fails": HOOK + "def register_selectors():\n    raise RuntimeError('no licence')",
+    "has a hook that ends the program": HOOK + "def register_selectors():\n    raise SystemExit(3)",
+    "has a hook of another name": HOOK + "def register_sellectors():\n    return []",
+    "offers what is no selector": HOOK + "def register_selectors():\n    return [object()]",
+    "returns no list": HOOK + "def register_selectors():\n    return 5",
+}
+
+
+@pytest.fixture(scope="module")
+def beside(tmp_path_factory: pytest.TempPathFactory) -> Written:
+    """An installed plugin `new-selector` that works, beside one whose module a test writes."""
+    return Written(tmp_path_factory.mktemp("beside"))
+
+
+@pytest.mark.parametrize("kind", BROKEN)
+def test_one_that_cannot_be_used_is_named_and_left_out(beside: Written, kind: str) -> None:
+    info = beside.folder / "site" / "broken-2.0.dist-info"
+    info.mkdir(exist_ok=True)
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: broken\nVersion: 2.0\n", "utf-8")
+    (info / "entry_points.txt").write_text("[mcsl]\nbroken = broken_module\n", "utf-8")
+    (beside.folder / "site" / "broken_module.py").write_text(BROKEN[kind] + "\n", "utf-8")
+    done = beside.run("-m", "mcsl_core.cli", "plugins", "--json")
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.startswith("plugin broken 2.0")
+    assert "it is left out" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert {"new-selector", "shortest-path"} <= {row["name"] for row in json.loads(done.stdout)}
+    chosen = "from mcsl_core.hooks.registry import discover; discover().choose('selector', 'brokens-own')"
+    refused = beside.run("-c", chosen)
+    assert "there is no selector named 'brokens-own', but plugin broken 2.0" in refused.stderr
+    assert beside.run("-c", chosen.replace("brokens-own", "new-selector")).returncode == 0
+
+
+def test_one_that_hangs_is_named(beside: Written) -> None:
+    (beside.folder / "site" / "broken_module.py").write_text("import time; time.sleep(1)\n", "utf-8")
+    done = beside.run("-c", "from mcsl_core.hooks import registry; registry._SLOW_S = 0.3; registry.discover()")
+    assert "plugin broken 2.0 (broken_module) has been importing for 0.3 s" in done.stderr
+    assert done.returncode == 0, done.stderr

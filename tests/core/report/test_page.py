@@ -20,7 +20,7 @@ from strategies import edls
 from mcsl_core.analysis.measurements import Measurements
 from mcsl_core.analysis.pipeline import analyse
 from mcsl_core.analysis.settings import AnalysisSettings
-from mcsl_core.edl import IDENTITY, Camera, Edl, Media, Override, Pose, Shot, Weak, load, save
+from mcsl_core.edl import IDENTITY, Camera, Edl, MadeBy, Media, Override, Pose, Shot, Weak, load, save
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.errors import InputError
 from mcsl_core.evaluation.evaluate import evaluate
@@ -150,6 +150,68 @@ def test_what_people_wrote_is_text_and_not_markup(edl_of_two: Edl) -> None:
     assert "<script" not in text
     assert "<b>bold" not in text
     assert note in "".join(parsed(text).texts)
+
+
+@pytest.mark.parametrize(
+    "hostile",
+    [
+        "<script>alert(1)</script>",
+        '"><img src=x onerror=alert(1)>',
+        "'><svg onload=alert(1)>",
+        "</style><script src=//evil.example/x.js>",
+        "{{ 7 * 7 }}{% include 'page.html' %}",
+        "javascript:alert(1)",
+        "&lt;script&gt;",
+        "--></title><body onload=alert(1)>",
+    ],
+)
+def test_names_from_files_stay_names(edl_of_two: Edl, hostile: str) -> None:
+    """Of cameras, files, their folder and the EDL, reasons, and the plugins that an EDL says it was made with."""
+    a, b = edl_of_two.cameras
+    media = (Media(f"{hostile}/{hostile}.mp4".replace("//", "/"), 100),)
+    pose = Pose(FrameRange(0, 100), {hostile: IDENTITY}, weak=(Weak("b", hostile),))
+    edl = attrs.evolve(
+        edl_of_two,
+        reference=hostile,
+        cameras=(attrs.evolve(a, name=hostile, media=media), b),
+        poses=(pose,),
+        shots=(Shot(FrameRange(0, 50), hostile, why=hostile), Shot(FrameRange(50, 100), "b", why=hostile)),
+        overrides=(Override(FrameRange(0, 10), camera=hostile, note=hostile),),
+        made_by=MadeBy(hostile, {"sync": hostile}, {"selector": hostile}),
+    )
+    harmless, hurt = elements(page_alone(edl_of_two)), elements(page_alone(edl))
+    assert hurt <= harmless | {
+        "p",
+        "li",
+        "ul",
+        "table",
+        "tr",
+        "td",
+        "th",
+        "div",
+        "span",
+        "section",
+        "b",
+        "em",
+        "strong",
+    }
+
+
+def elements(page: str) -> set[str]:
+    """The kinds of elements of a page, with their attributes that run code or load something."""
+    found: set[str] = set()
+
+    class Reader(html.parser.HTMLParser):
+        def handle_starttag(self, tag, attributes):
+            found.add(tag)
+            found.update(
+                f"{name}={value}"
+                for name, value in attributes
+                if name.startswith("on") or (name in ("src", "href") and not str(value).startswith(("data:", "#")))
+            )
+
+    Reader().feed(page)
+    return found
 
 
 def test_the_page_asks_for_nothing_from_outside(edl_of_two: Edl) -> None:
