@@ -7,6 +7,7 @@
     python3 dev.py addon [OUT.zip]  builds the Blender extension (default: dist/mcsl-VERSION.zip)
     python3 dev.py test-addon [ARGS]   the tests of the extension, those inside Blender too
     python3 dev.py lint             the checks that run no test
+    python3 dev.py lowest           the core's quick tests with the oldest packages that are allowed
     python3 dev.py docs             writes the generated pages
     python3 dev.py site             builds the documentation site
     python3 dev.py examples         runs the notebooks of examples/
@@ -32,7 +33,7 @@ ROOT = Path(__file__).resolve().parent
 OLDEST = (3, 11)
 NAMES = ("python3.11", "python3.12", "python3.13", "python3.14")
 TAKE_ARGUMENTS = ("demo", "test", "fast", "addon", "test-addon", "mcsl", "run")
-COMMANDS = (*TAKE_ARGUMENTS, "lint", "docs", "site", "examples", "lock", "setup")
+COMMANDS = (*TAKE_ARGUMENTS, "lint", "lowest", "docs", "site", "examples", "lock", "setup")
 
 VENV = Path(os.environ.get("MCSL_VENV") or ROOT / ".venv").absolute()
 PROGRAMS = VENV / ("Scripts" if os.name == "nt" else "bin")

@@ -1,7 +1,7 @@
 """Everything but the making of the environment: `python3 dev.py NAME [ARGS]` makes it and runs the session NAME here.
 
-In that environment, `nox --list` lists the sessions and `nox -s NAME -- ARGS` runs one. None makes an environment of
-its own: what is tested is what requirements.lock pins.
+In that environment, `nox --list` lists the sessions and `nox -s NAME -- ARGS` runs one. None but `lowest` makes an
+environment of its own: what is tested is what requirements.lock pins.
 """
 
 from __future__ import annotations
@@ -70,6 +70,17 @@ def test(session: nox.Session) -> None:
 def fast(session: nox.Session) -> None:
     """The quick tests, without Blender."""
     run_each(session, {"pytest": pytest("-m", "not slow and not blender", *which_tests(session.posargs))})
+
+
+@nox.session
+def lowest(session: nox.Session) -> None:
+    """The core's quick tests with the oldest packages that pyproject.toml allows (build/lowest, made anew)."""
+    folder, uv = ROOT / "build" / "lowest", str(PROGRAMS / "uv")
+    python = str(folder / PROGRAMS.name / Path(PYTHON).name)
+    session.run(uv, "venv", "--quiet", "--clear", "--python", PYTHON, str(folder))
+    session.run(uv, "pip", "install", "--python", python, "--resolution", "lowest-direct", "--editable", ".[test]")
+    tests = session.posargs or ["tests/core"]
+    session.run(python, "-m", "pytest", *SIDE_BY_SIDE, "-m", "not slow and not blender", *tests, env=ENVIRONMENT)
 
 
 @nox.session(name="test-addon", requires=["setup", "oldest"])

@@ -158,7 +158,7 @@ def evaluate(
         remedy = 'Give what mcsl.open("edl.json") returns'
         raise UsageError(f"a Programme is measured, got {programme!r}", remedy=remedy)
     if manual is None and manual_fit != "similarity":
-        raise UsageError("--manual-fit says what --manual becomes, which is not given", remedy="Give both or none")
+        raise UsageError("manual_fit says what manual becomes, which is not given", remedy="Give both or none")
     edl = programme.edl
     by_hand = None if manual is None else load_manual(Path(manual), edl, fit=manual_fit)
     variants = evaluating.standard_variants(edl, manual=by_hand, colour=colour)

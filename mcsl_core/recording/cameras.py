@@ -9,7 +9,8 @@ from math import floor
 from pathlib import Path
 
 from mcsl_core.edl import Camera, Media
-from mcsl_core.errors import InputError, UsageError
+from mcsl_core.edl.schema import LONGEST_S, MOST_FRAMES
+from mcsl_core.errors import Fault, InputError, UsageError
 from mcsl_core.media.facts import MediaFacts
 from mcsl_core.media.probing import probe
 from mcsl_core.progress import Progress
@@ -66,7 +67,11 @@ def open_cameras(recording: Sequence[Path], base: Path, progress: Progress) -> t
         )
         for note in describe_joins(name, joined(known)):
             progress.note(note)
-        cameras.append(Camera(name, media, known[0].size, known[0].rate))
+        try:
+            cameras.append(Camera(name, media, known[0].size, known[0].rate))
+        except Fault as fault:
+            remedy = "Leave it out, or convert it"
+            raise InputError(f"cannot be taken: {fault}", where=f"camera {name}", remedy=remedy) from fault
     return tuple(cameras)
 
 
@@ -108,6 +113,12 @@ def programme_length(footage: Footage, reference: str, progress: Progress) -> in
         progress.note(
             f"{reference}, the reference camera, ends at {format_time(own_s)}; the programme goes on with others until "
             f"{format_time(seconds)}, where {last} ends. Its sound is {reference}'s unless another's is chosen"
+        )
+    if seconds > LONGEST_S or seconds * footage.rate > MOST_FRAMES:  # told now, not when the EDL is made at the end
+        raise InputError(
+            f"lasts until {float(seconds):.6g} s, at most {LONGEST_S // 3600} hours ({MOST_FRAMES} frames) are taken",
+            where=f"camera {last if seconds != own_s else reference}",
+            remedy="Leave that camera out, or cut the recording",
         )
     return max(1, floor(seconds * footage.rate + Fraction(1, 2)))
 

@@ -12,7 +12,7 @@ import pytest
 from builders import small_edl
 
 from mcsl_core import edl as edls
-from mcsl_core.cli.main import cli, main
+from mcsl_core.cli.main import _told, cli, main
 
 
 def wrong(path: Path, **changes: object) -> None:
@@ -116,3 +116,45 @@ def test_a_name_that_no_file_can_have_is_a_wrong_call(
     said = capsys.readouterr().err
     assert code in (2, 3, 4)
     assert "internal error" not in said
+
+
+@pytest.mark.parametrize(
+    ("error", "told"),
+    [
+        (MemoryError(), "mcsl conform: the memory does not suffice. Close other programs, take fewer --jobs"),
+        (MemoryError("Unable to allocate 9 GiB"), "the memory does not suffice (Unable to allocate 9 GiB)"),
+        (
+            RuntimeError("OpenCV: Insufficient memory (Failed to allocate 9 bytes) in function 'OutOfMemoryError'"),
+            "suffice",
+        ),
+        (OSError(28, "No space left on device", "/a/b"), "/a/b: No space left on device. Check the path"),
+        (RuntimeError("Symlink loop from '/a/b'"), "/a/b: is a link that leads to itself"),
+    ],
+)
+def test_what_the_machine_lacks_is_told_with_what_to_do(error: Exception, told: str) -> None:
+    assert told in str(_told(error, ["--progress", "none", "conform", "edl.json"]))
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (["analyse", "r", "-o", "e.json", "--rate", "fast"], "--rate: expected a rate such as '30000/1001' or '25'"),
+        (["analyse", "r", "-o", "e.json", "--rate", "1/999999999"], "--rate: a rate must lie in 0.01 to 1000"),
+        (["simulate", "r", "--rate", "fast"], "--rate: expected a rate"),
+        (["simulate", "r", "--size", "1000000x1000000"], "size"),
+        (["simulate", "r", "--cameras", "100000"], "cameras"),
+        (["simulate", "r", "--duration", "1e999"], "duration"),
+        (["render", "e.json", "-o", "x.mp4", "--jobs", "0"], "--jobs"),
+        (["conform", "e.json", "--jobs", "-1"], "--jobs"),
+        (["evaluate", "good.json", "--manual-fit", "similarity"], "--manual-fit says what --manual becomes"),
+        (["evaluate", "good.json", "--every", "-1"], "--every"),
+        (["evaluate", "good.json", "--size", "1000000000"], "--size"),
+    ],
+)
+def test_a_wrong_option_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], call: list[str], told: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    edls.save(small_edl(), "good.json")
+    assert main(call) == 2
+    assert told in capsys.readouterr().err

@@ -54,6 +54,9 @@ def evaluate(
 
     ITF and AvSpeed without alignment, aligned by hand, and as mcsl makes it; docs/explanation/evaluation.md says how.
     """
+    given = click.get_current_context().get_parameter_source("manual_fit")
+    if how["manual"] is None and given is not click.core.ParameterSource.DEFAULT:
+        raise UsageError("--manual-fit says what --manual becomes, which is not given", remedy="Give both or none")
     from mcsl_core.cli import console
     from mcsl_core.documents import write_atomic
 

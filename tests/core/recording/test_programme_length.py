@@ -8,6 +8,7 @@ from coded_video import SIZE, read_number, write_coded
 from sync_sound import Notes
 
 from mcsl_core.edl import Camera, Clock, Media
+from mcsl_core.errors import InputError
 from mcsl_core.recording.cameras import programme_length
 from mcsl_core.recording.footage import Footage
 from mcsl_core.timing import FrameRange
@@ -52,3 +53,9 @@ def test_what_begins_before_the_reference_camera_is_told(tmp_path):
     assert programme_length(both, "a", progress) == 40
     (note,) = progress.notes
     assert note.startswith("b begins 2.0 s before a, the reference camera")
+
+
+def test_a_clock_that_leads_to_days_is_refused_before_any_work(tmp_path):
+    both = footage(tmp_path, ("a", 40, Clock()), ("b", 40, Clock(offset_s=200_000.0)))
+    with pytest.raises(InputError, match=r"camera b: lasts until 200001 s, at most 48 hours"):
+        programme_length(both, "a", Notes())
