@@ -26,6 +26,7 @@ from mcsl_core.timing import FrameRange
 
 from .corrections import FoundCamera, read_corrections
 from .strip_plan import automatic_cameras
+from .times import FoundFilm, FoundShot, SceneTime, check_times
 
 FIELDS = ("camera", "centering", "fill", "colour", "offset")
 READ = ("camera", "centering", "fill", "colour", "offset")  # what a Programme strip can say
@@ -46,6 +47,8 @@ class FoundStrip:
         The editor's switch on this strip; None says nothing.
     offset
         The centre by hand, (dx, dy) in programme pixels, y down; AUTOMATIC takes one back, None says nothing.
+    id
+        Where it was built; '' for the editor's own.
     """
 
     name: str
@@ -58,6 +61,7 @@ class FoundStrip:
     fill: bool | None = None
     colour: bool | None = None
     offset: tuple[float, float] | Literal["automatic"] | None = None
+    id: str = ""
 
 
 @frozen
@@ -74,6 +78,8 @@ class SequencerState:
         What was switched for the whole programme: centering, fill or colour, and to what.
     notes
         What was seen and is not read, for a person.
+    scene, films, tracks
+        What says whether the timeline still runs in the programme's time; see core/times.py.
     """
 
     strips: tuple[FoundStrip, ...]
@@ -81,6 +87,9 @@ class SequencerState:
     automatic: tuple[tuple[FrameRange, str], ...] | None = None
     look: tuple[tuple[str, bool], ...] = ()
     notes: tuple[str, ...] = ()
+    scene: SceneTime | None = None
+    films: tuple[FoundFilm, ...] = ()
+    tracks: str = ""
 
 
 def read_edl(edl: Edl, state: SequencerState) -> Edl:
@@ -89,8 +98,10 @@ def read_edl(edl: Edl, state: SequencerState) -> Edl:
     Raises
     ------
     InputError
-        A strip cannot be read; the error names it and the frame.
+        A strip cannot be read, or time was changed; the error names the strip and the frame.
     """
+    shots = (FoundShot(s.id, s.name, s.start, s.stop) for s in state.strips if s.id)
+    check_times(edl, state.scene, state.films, shots, state.tracks)
     edl = attrs.evolve(edl, look=attrs.evolve(edl.look, **dict(state.look)))
     return attrs.evolve(edl, overrides=read_overrides(edl, state), corrections=read_corrections(edl, state.cameras))
 

@@ -11,6 +11,7 @@ from typing import Any
 import bpy  # pyright: ignore[reportMissingImports]
 
 from ..core.strip_plan import OffsetKey
+from .compat import ends
 from .scene_properties import CENTERING_KEYS_HASH, role_of
 
 AXES = ("x", "y")
@@ -19,9 +20,12 @@ _CONSTANT, _LINEAR = 0, 1  # Blender's interpolation codes, as foreach_set takes
 
 def set_centering_keys(scene: Any, keys: Sequence[OffsetKey]) -> None:
     """The Centering strip's keys, in place of those it has: the preview moves at once."""
-    strip = centering_strip(scene)
-    if strip is None:
-        return
+    for strip in centering_strips(scene):
+        _set_keys(scene, strip, keys)
+    scene[CENTERING_KEYS_HASH] = centering_keys_hash(scene)
+
+
+def _set_keys(scene: Any, strip: Any, keys: Sequence[OffsetKey]) -> None:
     for axis in AXES:
         curve = _curve(scene, strip, axis, make=bool(keys))
         if curve is None:
@@ -34,11 +38,11 @@ def set_centering_keys(scene: Any, keys: Sequence[OffsetKey]) -> None:
         curve.update()
     if not keys:
         strip.transform.offset_x = strip.transform.offset_y = 0.0
-    scene[CENTERING_KEYS_HASH] = centering_keys_hash(scene)
 
 
-def centering_strip(scene: Any) -> Any:
-    return next((s for s in scene.sequence_editor.strips if role_of(s) == "centering"), None)
+def centering_strips(scene: Any) -> list[Any]:
+    """The Centering strip, or the pieces an editor cut it to, in order of time."""
+    return sorted((s for s in scene.sequence_editor.strips if role_of(s) == "centering"), key=ends)
 
 
 def _curve(scene: Any, strip: Any, axis: str, *, make: bool) -> Any:
@@ -61,14 +65,19 @@ def _curve(scene: Any, strip: Any, axis: str, *, make: bool) -> Any:
     return None
 
 
+def keyed_by_hand(scene: Any) -> bool:
+    """Whether the keys are others than those that were written."""
+    return scene.get(CENTERING_KEYS_HASH, "") not in ("", centering_keys_hash(scene))
+
+
 def centering_keys_hash(scene: Any) -> str:
     """A hash of the Centering strip's keys; '' without any."""
-    strip = centering_strip(scene)
     values = array("f")
-    for axis in AXES if strip is not None else ():
-        curve = _curve(scene, strip, axis, make=False)
-        if curve is not None:
-            found = array("f", bytes(8 * len(curve.keyframe_points)))
-            curve.keyframe_points.foreach_get("co", found)
-            values.extend(found)
+    for strip in centering_strips(scene):
+        for axis in AXES:
+            curve = _curve(scene, strip, axis, make=False)
+            if curve is not None:
+                found = array("f", bytes(8 * len(curve.keyframe_points)))
+                curve.keyframe_points.foreach_get("co", found)
+                values.extend(found)
     return hashlib.sha256(values.tobytes()).hexdigest()[:16] if values else ""

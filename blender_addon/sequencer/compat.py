@@ -7,6 +7,8 @@ from typing import Any
 
 import bpy  # pyright: ignore[reportMissingImports]
 
+_OLD_ENDS = ("frame_final_start", "frame_final_end")
+
 
 def new_effect(scene: Any, name: str, kind: str, channel: int, start: int, stop: int) -> Any:
     """An effect strip over programme frames [start, stop). 4.5 takes an end, 5.0 a length."""
@@ -31,3 +33,24 @@ def use_sequencer_scene(scene: Any) -> None:
     for workspace in bpy.data.workspaces:
         if hasattr(workspace, "sequencer_scene"):
             workspace.sequencer_scene = scene
+
+
+def set_ends(strip: Any, start: int, stop: int) -> None:
+    """The strip shows programme frames [start, stop); its content stays where it is."""
+    left, right = ("left_handle", "right_handle") if hasattr(strip, "left_handle") else _OLD_ENDS
+    setattr(strip, right, stop + 1)  # an end stops at the other: twice, so that neither is in the other's way
+    setattr(strip, left, start + 1)
+    setattr(strip, right, stop + 1)
+
+
+def content_start(strip: Any) -> int:
+    """The programme frame at which a strip's first picture or sample stands, shown or not."""
+    return round(strip.content_start if hasattr(strip, "content_start") else strip.frame_start) - 1
+
+
+def set_content_start(strip: Any, start: int) -> None:
+    """Moves the content, and the ends with it."""
+    if hasattr(strip, "content_start"):
+        strip.content_start = start + 1
+    else:
+        strip.frame_start = start + 1

@@ -19,11 +19,15 @@ from mcsl_core.edl import Edl
 from mcsl_core.timing import FrameRange
 
 from ..core import stale
+from ..core.carry_over import Place, main_part, parts_of, uncovered
 from ..core.strip_plan import FIRST_CAMERA_CHANNEL, make_plan
-from .build import add_conformed_strip, replace_sound
+from .build import add_conformed_strip, cut_out
 from .compat import ends
-from .edit import split_at
-from .scene_properties import CONFORMED_BASIS, FALLEN, role_of
+from .edit import effect_inputs, split_at
+from .films import link_film
+from .scene_properties import AWAITS_PICTURES, CONFORMED_BASIS, FALLEN, NO_LONGER_HOLDS, role_of
+from .sound import renew_sound
+from .touched import Work
 
 
 @frozen
@@ -62,9 +66,11 @@ def keep_true(scene: Any, now: Edl) -> Held:
     there = conformed_strips(scene)
     then = stale.from_text(scene.get(CONFORMED_BASIS, ""))
     gone = stale.changed(stale.basis_of(now), then) if there else ()
-    lost, changed = [], False
+    lost, changed, whole = [], False, effect_inputs(scene)
     for strip, span in there:
         parts = stale.parts(span, gone)
+        if strip.name in whole and len(parts) > 1:
+            parts = (stale.Part(span, holds=False),)
         pieces = split_at(strip, [part.range.stop for part in parts[:-1]])
         for piece, part in zip(pieces, parts, strict=True):
             changed |= _set_holds(piece, part.holds)
@@ -77,11 +83,10 @@ def keep_true(scene: Any, now: Edl) -> Held:
 def _set_holds(strip: Any, holds: bool) -> bool:
     """Touches the strip only where something changes, which handlers hear of; whether it did."""
     if not holds and not strip.mute:
-        strip.mute, strip[FALLEN] = True, 1
+        strip.mute, strip[FALLEN] = True, NO_LONGER_HOLDS
         return True
-    if holds and strip.get(FALLEN):
-        strip.mute = False
-        del strip[FALLEN]
+    if holds and strip.get(FALLEN) == NO_LONGER_HOLDS:
+        _awake(strip)
         return True
     return False
 
@@ -89,25 +94,56 @@ def _set_holds(strip: Any, holds: bool) -> bool:
 def insert(scene: Any, edl: Edl, pieces: Sequence[ConformedPiece], sound: Path | None, base: Path) -> Iterator[float]:
     """Puts the conformed files of ``edl`` in place, one a step (0.15 s each); yields what part is done.
 
-    Files that are in place and whole stay. base: what the paths are relative to.
+    base: what the paths are relative to.
     """
     channel = FIRST_CAMERA_CHANNEL + len(edl.cameras) + 2
+    # Until all are in place those that are hold for this basis, and the others are not there.
+    note_basis(scene, edl)
+    yield from renew(scene, pieces, channel, base)
+    if sound is not None:
+        renew_sound(scene, make_plan(edl, (), sound), base)
+    yield 1.0
+
+
+def renew(scene: Any, pieces: Sequence[ConformedPiece], channel: int, base: Path) -> Iterator[float]:
+    """The conformed strips are those of ``pieces``; yields what part is done.
+
+    Files that are in place and whole stay. So do strips that bear an editor's work: they show the new pictures over the
+    same frames; where there are none (yet), they stay hidden and wait.
+    """
     wanted = {str((base / piece.path).resolve()): piece for piece in pieces}
-    whole = {}
+    places = [Place(piece.range, path, piece.range.start) for path, piece in wanted.items()]
+    work, kept = Work(scene), []
     for strip, span in conformed_strips(scene):
         path = str(Path(bpy.path.abspath(strip.filepath)).resolve())
         if path in wanted and wanted[path].range == span:
-            whole[path] = strip
-            strip.mute = False
-            strip.pop(FALLEN, None)
+            kept.append((span.start, span.stop))
+            _awake(strip)
+        elif work.on(strip):
+            kept.append((span.start, span.stop))
+            _renew(scene, strip, span, places)
         else:
             scene.sequence_editor.strips.remove(strip)
-    missing = [piece for path, piece in wanted.items() if path not in whole]
-    # Until all are in place those that are hold for this basis, and the others are not there.
-    note_basis(scene, edl)
-    for index, piece in enumerate(missing):
-        add_conformed_strip(scene, piece, channel, base)
+    missing: dict[str, list[FrameRange]] = {}
+    for span, place in uncovered(places, kept):
+        missing.setdefault(place.path, []).append(span)
+    for index, (path, spans) in enumerate(missing.items()):
+        cut_out(scene, add_conformed_strip(scene, wanted[path], channel, base), spans)
         yield (index + 1) / len(missing)
-    if sound is not None:
-        replace_sound(scene, make_plan(edl, (), sound), base)
-    yield 1.0
+
+
+def _renew(scene: Any, strip: Any, span: FrameRange, places: Sequence[Place]) -> None:
+    whole = strip.name in effect_inputs(scene)
+    parts = (main_part if whole else parts_of)(span.start, span.stop, places)
+    for piece, part in zip(split_at(strip, [part.stop for part in parts[:-1]]), parts, strict=True):
+        if part.place is not None and link_film(scene, piece, Path(part.place.path), part.place.start):
+            _awake(piece)
+        elif not piece.mute:
+            piece.mute, piece[FALLEN] = True, AWAITS_PICTURES
+
+
+def _awake(strip: Any) -> None:
+    """Its pictures hold: it is shown, unless the editor muted it."""
+    if strip.get(FALLEN):
+        strip.mute = False
+        del strip[FALLEN]

@@ -3,18 +3,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from mcsl_core.edl import Look
-from mcsl_core.errors import BlenderError
+from mcsl_core.edl.playlists import list_kind
+from mcsl_core.errors import BlenderError, InputError
 
 from ..core.multicam import Switch
 from ..core.read_overrides import AUTOMATIC
 from ..core.revert import Setting
-from .scene_properties import CENTRE, GIVEN_NAME, LOOK_FOR_ALL, LOOK_OF_SHOT
+from .scene_properties import CENTRE, GIVEN_NAME, LOOK_FOR_ALL, LOOK_OF_SHOT, given_name
 
+HIGHEST_CHANNEL = 128  # Blender has no more
 OVERRIDDEN_COLOUR = "COLOR_03"  # yellow: an editor's decision
+
+
+def check_there(path: Path) -> None:
+    """InputError where a media file is missing."""
+    if not path.is_file():
+        raise InputError("is missing", where=str(path), remedy="Put the file back, or correct the EDL's media paths")
+    if kind := list_kind(path):  # Blender would open what it leads to
+        raise InputError(f"is {kind}; what it leads to is not opened", where=str(path), remedy="Name the video itself")
 
 
 def split_strip(strip: Any, frame: int) -> Any:
@@ -31,6 +43,64 @@ def split_at(strip: Any, frames: Sequence[int]) -> list[Any]:
     for frame in frames:
         parts.append(split_strip(parts[-1], frame))
     return parts
+
+
+def effect_inputs(scene: Any) -> set[str]:
+    """The names of strips that an effect strip is made of. Never split one: Blender then copies all that hang together,
+    and what one held of them is gone from memory.
+    """
+    return {
+        strip.name
+        for effect in scene.sequence_editor.strips_all
+        for strip in (getattr(effect, "input_1", None), getattr(effect, "input_2", None))
+        if strip is not None
+    }
+
+
+def remove(scene: Any, strip: Any) -> None:
+    """Removes a strip, out of its meta strip where it lies in one."""
+    meta = strip.parent_meta()
+    (scene.sequence_editor if meta is None else meta).strips.remove(strip)
+
+
+@contextmanager
+def parked(scene: Any, strip: Any) -> Iterator[None]:
+    """The strip lies on a free channel meanwhile: while its ends move it must not push, nor be pushed by, others.
+
+    Its keys stay where they are in time: moving content takes them along.
+    """
+    channel, keys = strip.channel, keys_of(scene, strip.name)
+    used = max(other.channel for other in scene.sequence_editor.strips_all)
+    strip.channel = min(used + 1, HIGHEST_CHANNEL)
+    try:
+        yield
+    finally:
+        strip.channel = channel
+        for curve, points in keys.items():
+            for point, at in zip(curves_of(scene)[curve].keyframe_points, points, strict=True):
+                point.co_ui = at
+            curves_of(scene)[curve].update()
+
+
+def keys_of(scene: Any, name: str) -> dict[str, list[tuple[float, float]]]:
+    """The keys of a strip: data path -> (frame, value)."""
+    return {
+        path: [tuple(point.co) for point in curve.keyframe_points]
+        for path, curve in curves_of(scene).items()
+        if path.startswith(f'sequence_editor.strips_all["{name}"]')
+    }
+
+
+def curves_of(scene: Any) -> dict[str, Any]:
+    """The scene's F-curves by data path; those of an array's elements are apart by their index."""
+    data = scene.animation_data
+    found: dict[str, Any] = {}
+    for layer in data.action.layers if data is not None and data.action is not None else ():
+        for part in layer.strips:
+            bag = part.channelbag(data.action_slot) if data is not None and data.action_slot else None
+            for curve in bag.fcurves if bag is not None else ():
+                found[curve.data_path if curve.array_index == 0 else f"{curve.data_path}[{curve.array_index}]"] = curve
+    return found
 
 
 def apply_switch(scene: Any, change: Switch) -> None:
@@ -84,7 +154,7 @@ def label_strips(scene: Any, overridden: frozenset[str], cameras: Mapping[str, s
         wanted = OVERRIDDEN_COLOUR if name in overridden else "NONE"
         if strip.color_tag != wanted and strip.color_tag in ("NONE", OVERRIDDEN_COLOUR):
             strip.color_tag = wanted
-        given = strip.get(GIVEN_NAME)  # split, it is followed by .001
+        given = given_name(strip)  # split, it is followed by .001
         if given and name.startswith(given) and name in cameras:
             number = given.partition(":")[0]
             if (now := f"{number}: {cameras[name]}") != given:

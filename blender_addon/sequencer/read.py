@@ -3,39 +3,46 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from mcsl_core.errors import InputError
 
 from ..core.corrections import FoundCamera
 from ..core.read_overrides import AUTOMATIC, FoundStrip, SequencerState
+from ..core.similarity import Transform
 from ..core.strip_plan import automatic_from_text
-from .centering_keys import centering_keys_hash
+from .centering_keys import keyed_by_hand
 from .compat import ends
+from .read_times import read_films, read_scene_time
 from .scene_properties import (
     AUTOMATIC_CAMERA,
     CAMERA,
-    CENTERING_KEYS_HASH,
     CENTRE,
     LOOK_FOR_ALL,
     LOOK_OF_SHOT,
     PLANNED_TRANSFORM,
+    SHOT_ID,
+    TRACKS_HASH,
+    odd,
     role_of,
+    text_of,
 )
 from .transforms import transform_from_numbers
 
+FARTHEST_PX = 1e7  # what no transform or centre of a picture reaches
+
 
 def read_timeline(scene: Any) -> SequencerState:
-    """What the editor left: every Multicam strip on every channel, and where the cameras are."""
+    """What the editor left: every Multicam strip on every channel, where the cameras are, and the time they run in.
+
+    Raises
+    ------
+    InputError
+        A strip or a property cannot be read; the error names it.
+    """
     editor = scene.sequence_editor
-    top = {s.name for s in editor.strips}
-    for strip in editor.strips_all:
-        if strip.type == "MULTICAM" and strip.name not in top:
-            raise InputError(
-                "is a Multicam strip inside a meta strip, where it has no cameras",
-                where=f"strip {strip.name!r}",
-                remedy="Separate the meta strip (Ctrl-Alt-G) and save",
-            )
+    _check_metas(editor)
     strips, cameras = [], []
     for strip in editor.strips:
         start, stop = ends(strip)
@@ -50,35 +57,77 @@ def read_timeline(scene: Any) -> SequencerState:
                     muted=strip.mute,
                     **{aid: _switch(strip, name) for aid, name in LOOK_OF_SHOT.items()},
                     offset=_offset(strip),
+                    id=text_of(strip, SHOT_ID, _where(strip), ""),
                 )
             )
         elif role_of(strip) == "camera":
-            planned = strip.get(PLANNED_TRANSFORM)
             t = strip.transform
             cameras.append(
                 FoundCamera(
-                    camera=strip[CAMERA],
+                    camera=text_of(strip, CAMERA, _where(strip)),
                     channel=strip.channel,
                     start=start,
                     stop=stop,
                     name=strip.name,
                     transform=transform_from_numbers([t.offset_x, t.offset_y, t.scale_x, t.scale_y, t.rotation]),
-                    planned=None if planned is None else transform_from_numbers(planned),
+                    planned=_planned(strip),
                 )
             )
-    automatic = scene.get(AUTOMATIC_CAMERA)
     return SequencerState(
         strips=tuple(strips),
         cameras=tuple(cameras),
-        automatic=automatic_from_text(automatic) if automatic else None,
-        look=tuple((aid, bool(scene[name])) for aid, name in LOOK_FOR_ALL.items() if name in scene),
+        automatic=_automatic(scene),
+        look=tuple((aid, _flag(scene, name, "the scene")) for aid, name in LOOK_FOR_ALL.items() if name in scene),
         notes=_remarks(scene),
+        scene=read_scene_time(scene),
+        films=read_films(scene),
+        tracks=text_of(scene, TRACKS_HASH, "the scene", ""),
     )
+
+
+def _check_metas(editor: Any) -> None:
+    top = {s.name for s in editor.strips}
+    for strip in editor.strips_all:
+        if strip.name in top:
+            continue
+        if strip.type == "MULTICAM":
+            raise InputError(
+                "is a Multicam strip inside a meta strip, where it has no cameras",
+                where=f"strip {strip.name!r}",
+                remedy="Separate the meta strip (Ctrl-Alt-G) and save",
+            )
+        if (role := role_of(strip)) and role != "sound":
+            raise InputError(
+                f"is a {role} strip of this timeline inside a meta strip, where it cannot be kept up to date",
+                where=_where(strip),
+                remedy="Separate the meta strip (Ctrl-Alt-G) and save",
+            )
+
+
+def _automatic(scene: Any) -> Any:
+    text = text_of(scene, AUTOMATIC_CAMERA, "the scene", "")
+    try:
+        return automatic_from_text(text) or None if text else None
+    except (ValueError, TypeError) as error:
+        raise odd(AUTOMATIC_CAMERA, text, "the automatic choice by time", "the scene") from error
+
+
+def _planned(strip: Any) -> Transform | None:
+    value = strip.get(PLANNED_TRANSFORM)
+    if value is None:
+        return None
+    try:
+        numbers = [float(number) for number in value]
+        if len(numbers) != 5 or not all(abs(n) < FARTHEST_PX for n in numbers) or 0 in numbers[2:4]:
+            raise ValueError
+    except (TypeError, ValueError) as error:
+        raise odd(PLANNED_TRANSFORM, value, "a transform of five numbers", _where(strip)) from error
+    return transform_from_numbers(numbers)
 
 
 def _remarks(scene: Any) -> tuple[str, ...]:
     """What an editor did that is not read, for a person."""
-    if scene.get(CENTERING_KEYS_HASH, "") not in ("", centering_keys_hash(scene)):
+    if keyed_by_hand(scene):
         return (
             "the Centering strip or its keys were changed by hand, which is not read: to set the centre of a shot, "
             f"use the panel (or the strip's property {CENTRE})",
@@ -93,15 +142,28 @@ def _offset(strip: Any) -> Any:
         return value
     try:
         x, y = (round(float(number), 3) for number in value)
+        if not (math.isfinite(x + y) and max(abs(x), abs(y)) < FARTHEST_PX):
+            raise ValueError
     except (TypeError, ValueError) as error:
         raise InputError(
             f"has {CENTRE} {value!r}; two numbers [dx, dy] are expected, or {AUTOMATIC!r}",
-            where=f"strip {strip.name!r}, frame {ends(strip)[0] + 1}",
+            where=_where(strip),
             remedy="Correct it among the strip's custom properties, or remove it",
         ) from error
     return x, y
 
 
 def _switch(strip: Any, name: str) -> bool | None:
-    value = strip.get(name)
-    return None if value is None else bool(value)
+    return None if strip.get(name) is None else _flag(strip, name, _where(strip))
+
+
+def _flag(owner: Any, name: str, where: str) -> bool:
+    """On or off; scripts write 0 and 1 for it, in older files whole numbers stand too."""
+    value = owner.get(name)
+    if not isinstance(value, bool | int) or value not in (0, 1):
+        raise odd(name, value, "on or off", where)
+    return bool(value)
+
+
+def _where(strip: Any) -> str:
+    return f"strip {strip.name!r}, frame {ends(strip)[0] + 1}"

@@ -140,6 +140,7 @@ class MCSL_State(bpy.types.PropertyGroup):
     outstanding_s: bpy.props.FloatProperty()
     lost_s: bpy.props.FloatProperty()
     problem: bpy.props.StringProperty()
+    notices: bpy.props.StringProperty()
 
 
 CLASSES = (MCSL_Camera, MCSL_Work, MCSL_Shot, MCSL_State)

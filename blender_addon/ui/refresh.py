@@ -22,11 +22,12 @@ from ..core import multicam, shot_list
 from ..core.read_overrides import read_edl
 from ..core.strip_plan import make_plan
 from ..sequencer import conformed, scene_properties
-from ..sequencer.centering_keys import set_centering_keys
+from ..sequencer.centering_keys import keyed_by_hand, set_centering_keys
 from ..sequencer.compat import sequencer_scene
 from ..sequencer.edit import label_strips
+from ..sequencer.notices import notices
 from ..sequencer.read import read_timeline
-from . import job_runner
+from . import job_runner, render_guard
 from .translations.lookup import told
 
 QUIET_S = 0.4
@@ -66,6 +67,7 @@ def refresh_timeline(scene: Any) -> str:
         _centre(scene, edl)
         state = read_timeline(scene)
         label_strips(scene, multicam.overridden(edl, state.strips), multicam.shown_cameras(state))
+        told_of = notices(scene, edl, state)
     except McslError as error:
         _tell(scene, problem=str(error))
         return str(error)
@@ -73,6 +75,8 @@ def refresh_timeline(scene: Any) -> str:
         _busy = was
     seconds = [float(sum(map(len, pieces)) / edl.rate) for pieces in (held.outstanding, held.lost)]
     _tell(scene, edl=edl, outstanding_s=seconds[0], lost_s=seconds[1])
+    if scene == shown_scene():
+        bpy.context.window_manager.mcsl_state.notices = "\n".join(told_of)
     return ""
 
 
@@ -80,7 +84,7 @@ def _centre(scene: Any, edl: Edl) -> None:
     """The Centering strip follows the decisions, unless an editor has keyed it by hand."""
     keys = make_plan(edl).centering
     text = hashlib.sha256(repr(keys).encode()).hexdigest()[:16]
-    if scene.get(scene_properties.CENTERING_PLAN_HASH) != text and not read_timeline(scene).notes:
+    if scene.get(scene_properties.CENTERING_PLAN_HASH) != text and not keyed_by_hand(scene):
         set_centering_keys(scene, keys)
         scene[scene_properties.CENTERING_PLAN_HASH] = text
 
@@ -165,9 +169,14 @@ def _changed(_scene: Any, depsgraph: Any = None) -> None:
 
 
 @bpy.app.handlers.persistent
-def _saving(*_: Any) -> None:
+def _saving(target: Any = "", *_: Any) -> None:
+    render_guard.before_saving()
+    new = target if isinstance(target, str) and target else bpy.data.filepath
     for scene in timelines():
         refresh_timeline(scene)
+        if new:
+            old = Path(bpy.data.filepath).parent if bpy.data.filepath else None
+            scene_properties.note_saving(scene, old, Path(new).parent)
 
 
 @bpy.app.handlers.persistent
@@ -175,6 +184,7 @@ def _loaded(*_: Any) -> None:
     state = bpy.context.window_manager.mcsl_state
     _last.clear()
     state.shots.clear()
+    state.notices = ""
     state.problem, state.outstanding_s, state.lost_s, state.overrides = "", 0.0, 0.0, 0
     for scene in timelines():
         show_recording(scene)

@@ -28,7 +28,7 @@ def main() -> None:
     here = str(Path(__file__).resolve().parent)
     sys.path[:] = [p for p in sys.path if p != here]  # a script's folder comes first: our tasks.py hides no other
     sys.path.extend(p for p in order["paths"] if p not in sys.path)  # last, so that Blender's numpy stays its own
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    threading.Thread(target=_end_with_parent, args=(order.get("parent"),), daemon=True).start()
     with open(order["messages"], "a", encoding="utf-8") as stream:
         code = _answer(order, stream)
     sys.stdout.flush()
@@ -37,13 +37,26 @@ def main() -> None:
     os._exit(code)
 
 
-def _end_with_parent() -> None:
-    """Ends this process and what it started once the one that asked is gone, killed or crashed: nobody waits for it."""
+def _end_with_parent(asked: int | None) -> None:
+    """Ends this process and what it started once the one that asked is gone, killed or crashed: nobody waits for it.
+
+    asked: its id, since it may be gone before this runs; between the two may stand a script that starts Blender.
+    """
     parent = os.getppid()
     while os.name != "nt":
-        time.sleep(0.5)
-        if os.getppid() != parent:
+        if os.getppid() != parent or (asked is not None and not _lives(asked)):
             os.killpg(os.getpgid(0), signal.SIGKILL)
+        time.sleep(0.5)
+
+
+def _lives(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        pass  # it is there, and another's
+    return True
 
 
 def _answer(order: dict[str, Any], stream: IO[str]) -> int:

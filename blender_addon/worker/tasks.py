@@ -32,9 +32,13 @@ from mcsl_core.progress import JsonLines
 from ..core.read_overrides import read_edl
 from ..core.strip_plan import StripPlan, make_plan
 from ..sequencer import conformed, output, scene_properties
-from ..sequencer.build import build_timeline, has_sound, rebuild_timeline
+from ..sequencer.build import build_timeline
 from ..sequencer.compat import use_sequencer_scene
+from ..sequencer.notices import notices
 from ..sequencer.read import read_timeline
+from ..sequencer.renew import rebuild_timeline
+from ..sequencer.sound import has_sound
+from .confine import confine
 
 
 def timeline(request: TimelineRequest, progress: JsonLines) -> BuiltTimeline:
@@ -68,11 +72,10 @@ def read(request: ReadRequest, progress: JsonLines) -> ReadDecisions:
     The .blend stays as it is, but for conformed pictures that no longer show what was decided: they fall away.
     """
     scene = _open(request.blend)
-    edl_path = scene_properties.edl_path(scene, request.blend)
-    edl = edls.load(edl_path)
+    edl_path, edl = scene_properties.linked_edl(scene, request.blend, request.instead)
     state = read_timeline(scene)
     new = read_edl(edl, state)
-    for note in state.notes:
+    for note in notices(scene, edl, state):
         progress.note(note)
     if conformed.any_there(scene) and conformed.keep_true(scene, new).changed:
         try:
@@ -88,6 +91,8 @@ def read(request: ReadRequest, progress: JsonLines) -> ReadDecisions:
 def render(request: RenderRequest, progress: JsonLines) -> RenderedVideo:
     """The .blend as it stands, to a video."""
     scene = _open(request.blend)
+    for note in confine(scene):
+        progress.note(note)
     output.apply(scene, request.preset, str(request.output), sound=has_sound(scene))
     total = len(range(scene.frame_start, scene.frame_end + 1, scene.frame_step))
     progress.stage("render", total, "frames")
@@ -98,7 +103,7 @@ def render(request: RenderRequest, progress: JsonLines) -> RenderedVideo:
         done += 1
         progress.advance(done)
 
-    bpy.app.handlers.render_post.append(written)
+    bpy.app.handlers.render_write.append(written)  # render_post also comes for the scenes of scene strips
     bpy.ops.render.render(animation=True, scene=scene.name)
     if done != total or not request.output.is_file():
         raise BlenderError(

@@ -91,7 +91,7 @@ def run_task(blender: Blender, request: Request[Answer], progress: Progress | No
         folder = Path(name)
         messages, log, order = folder / "messages", folder / "log", folder / "order.json"
         messages.touch()
-        values = {"task": request.task, "request": to_json(request)}
+        values = {"parent": os.getpid(), "task": request.task, "request": to_json(request)}
         order.write_text(json.dumps({"paths": search_paths(), "messages": str(messages), **values}), encoding="utf-8")
         if blender.kind == "binary":
             command = [*blender.command, "-b", "--factory-startup", "-P", str(script()), "--", str(order)]

@@ -116,6 +116,11 @@ class ReadRequest(Request[ReadDecisions]):
     answer = ReadDecisions
 
     blend: Path = field(validator=_absolute, metadata=doc("the timeline's file"))
+    instead: Path | None = field(
+        default=None,
+        validator=_absolute,
+        metadata=doc("the EDL that a person named to take the decisions; null: the timeline's own alone"),
+    )
 
 
 @frozen

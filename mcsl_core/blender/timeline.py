@@ -101,7 +101,8 @@ def pull_from(
     _check_blend_name(blend_path)
     check_file(blend_path, wanted="a timeline", remedy="Hand in the .blend file")
     progress.stage("reading the timeline")
-    decided = run_task(blender, ReadRequest(blend_path.resolve()), progress)
+    instead = None if edl_out is None else edl_out.resolve()
+    decided = run_task(blender, ReadRequest(blend_path.resolve(), instead), progress)
     edl = edls.load(decided.edl)
     target = decided.edl if edl_out is None else edl_out
     if decided.changed:

@@ -26,6 +26,7 @@ SAVED = {  # in .blend files that editors have: never to be renamed
     "mcsl_fallen",
     "mcsl_fill",
     "mcsl_id",
+    "mcsl_home",
     "mcsl_keys",
     "mcsl_look_centering",
     "mcsl_look_colour",
@@ -33,7 +34,10 @@ SAVED = {  # in .blend files that editors have: never to be renamed
     "mcsl_name",
     "mcsl_offset",
     "mcsl_overrides",
+    "mcsl_placed",
     "mcsl_planned",
+    "mcsl_recording",
+    "mcsl_sound",
     "mcsl_tracks",
 }
 

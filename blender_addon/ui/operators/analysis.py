@@ -14,7 +14,7 @@ from mcsl_core.errors import InputError, McslError
 from ...core import camera_files
 from ...core.camera_files import STAGES
 from ...sequencer.compat import sequencer_scene
-from ...sequencer.scene_properties import has_timeline
+from ...sequencer.scene_properties import EDL_PATH, edl_path, has_timeline
 from .. import job_runner, preferences
 from ..translations.lookup import told
 from .recording import work_of
@@ -83,6 +83,8 @@ def _command(scene) -> tuple[list[str], Path]:
                 told("is missing"), where=path, remedy=told("Put it back, or take the camera off the list")
             )
     edl = edl_of_work(work)
+    if has_timeline(scene) and work.edl == scene.get(EDL_PATH):
+        edl = edl_path(scene, Path(bpy.data.filepath))  # a copied project's own, not the one that it was copied from
     if not edl.parent.is_dir():
         raise InputError(
             told("is not a folder"), where=str(edl.parent), remedy=told("Choose another place for the EDL")

@@ -14,9 +14,9 @@ from mcsl_core.errors import InputError, McslError
 
 from ...core import camera_files, presets, shot_list
 from ...sequencer import conformed, output, scene_properties
-from ...sequencer.build import has_sound
 from ...sequencer.compat import sequencer_scene
-from .. import job_runner, preferences, refresh
+from ...sequencer.sound import has_sound
+from .. import job_runner, preferences, refresh, render_guard
 from ..translations.lookup import told
 from .recording import work_of
 from .timeline import pull
@@ -80,13 +80,22 @@ class MCSL_OT_render(bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         if problem:
-            self.report({"WARNING"}, problem)
+            self.report({"ERROR"}, problem)  # what would be rendered is not what the editor sees
+            return {"CANCELLED"}
+        for notice in context.window_manager.mcsl_state.notices.splitlines():
+            self.report({"WARNING"}, notice)
         left = context.window_manager.mcsl_state.outstanding_s
         if left > 0:
             text = told("{seconds} show the preview, not the exact pictures: conform first for those")
             self.report({"WARNING"}, text.format(seconds=shot_list.seconds_text(left)))
         how = "EXEC_DEFAULT" if bpy.app.background else "INVOKE_DEFAULT"
-        bpy.ops.render.render(how, animation=True, scene=scene.name)
+        render_guard.begin(scene, target)
+        try:
+            bpy.ops.render.render(how, animation=True, scene=scene.name)
+        except RuntimeError as error:
+            render_guard.drop()
+            self.report({"ERROR"}, f"{target}: {str(error).strip()}")
+            return {"CANCELLED"}
         self.report({"INFO"}, told("rendering to {path}").format(path=target))
         return {"FINISHED"}
 

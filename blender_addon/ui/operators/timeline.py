@@ -16,10 +16,11 @@ from mcsl_core.errors import InputError, McslError
 
 from ...core.strip_plan import make_plan
 from ...sequencer import scene_properties
-from ...sequencer.build import build_timeline, rebuild_timeline
+from ...sequencer.build import build_timeline
 from ...sequencer.compat import sequencer_scene, use_sequencer_scene
 from ...sequencer.edit import clear_strip_decisions
 from ...sequencer.read import read_timeline
+from ...sequencer.renew import rebuild_timeline
 from .. import refresh
 from ..translations.lookup import told
 
@@ -69,8 +70,11 @@ def pull(scene) -> tuple[Edl, bool]:
     """
     old = scene_properties.edl_of(scene)
     new = refresh.decided(scene)
+    blend = Path(bpy.data.filepath)
+    path = scene_properties.edl_path(scene, blend)
     if new != old:
-        edls.save(new, scene_properties.edl_path(scene, Path(bpy.data.filepath)))
+        edls.save(new, path)
+    scene_properties.note_home(scene, path, blend.parent if bpy.data.filepath else None)
     clear_strip_decisions(scene)
     scene[scene_properties.OVERRIDE_COUNT] = len(new.overrides)
     return new, new != old

@@ -9,7 +9,7 @@ from ...core import shot_list
 from ...sequencer import conformed
 from ...sequencer.compat import sequencer_scene
 from ..translations.lookup import shown, told
-from .drawing import TimelinePanel, draw_job, draw_message, wrapped
+from .drawing import TimelinePanel, draw_job, draw_message, draw_notices, wrapped
 
 
 class MCSL_PT_conform(TimelinePanel, bpy.types.Panel):
@@ -30,6 +30,7 @@ class MCSL_PT_conform(TimelinePanel, bpy.types.Panel):
                 wrapped(box, text.format(seconds=shot_list.seconds_text(state.lost_s)), "ERROR")
         elif conformed.any_there(scene):
             layout.label(text="All pictures are exact", icon="CHECKMARK")
+        draw_notices(layout, state)
         if not draw_job(layout, told("Conforming")):
             layout.operator("mcsl.conform", icon="RENDER_RESULT")
         draw_message(layout, told("Conforming"))

@@ -75,6 +75,12 @@ def draw_job(layout, title: str) -> bool:
     return True
 
 
+def draw_notices(layout, state) -> None:
+    """What there is to know before pictures are made, a box each."""
+    for notice in state.notices.splitlines():
+        wrapped(layout.box(), notice, "INFO")
+
+
 def draw_message(layout, *about: str) -> None:
     """The last message, if it is about one of these jobs, until the next one starts."""
     if job_runner.desk.message and job_runner.desk.about in about and not job_runner.busy():

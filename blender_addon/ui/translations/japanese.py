@@ -229,4 +229,8 @@ JAPANESE: dict[str, str] = {
     "Lossless, for keeping: FFV1 pictures and FLAC sound in Matroska. Very large.": (
         "保存用の可逆圧縮：Matroska に FFV1 の映像と FLAC の音声。非常に大きなファイル。"
     ),
+    "rendering stopped: nothing was written to {path}": "レンダリングを中止しました。{path} には何も書き込んでいません",
+    "the video cannot take its name ({reason}); it lies at {path}": (
+        "動画に名前を付けられません ({reason})。{path} にあります"
+    ),
 }

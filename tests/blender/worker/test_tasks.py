@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
 
 import pytest
 from attrs import frozen
+from blender_recording import in_blender
 
 from mcsl_core.blender import child
 from mcsl_core.blender.child import run_task
@@ -42,8 +45,8 @@ def render_request(built, out):
     return RenderRequest(blend=built, preset=load_preset("h264"), output=out)
 
 
-def children() -> list[int]:
-    """Blender children of this process that are still there."""
+def children(of: int = os.getpid()) -> list[int]:
+    """Blender children of a process, this one by default, that are still there."""
     found = []
     for process in Path("/proc").glob("[0-9]*"):
         try:
@@ -51,7 +54,7 @@ def children() -> list[int]:
             arguments = (process / "cmdline").read_bytes()
         except OSError:  # ended while we looked
             continue
-        if parent == os.getpid() and b"__main__.py" in arguments:
+        if parent == of and b"__main__.py" in arguments:
             found.append(int(process.name))
     return found
 
@@ -171,3 +174,42 @@ def test_a_render_that_stops_short_is_an_error(built, blender, tmp_path):
     (tmp_path / "nowhere").write_text("a file where a folder is needed")
     with pytest.raises(BlenderError):
         run_task(blender, request)
+
+
+PARENT = """
+import os, sys
+from pathlib import Path
+from mcsl_core.blender.child import run_task
+from mcsl_core.blender.installation import find
+from mcsl_core.blender.messages import RenderRequest
+from mcsl_core.delivery.presets import load_preset
+from mcsl_core.progress import Silent
+
+class Telling(Silent):
+    def stage(self, name, total=None, unit=""):
+        print("rendering", flush=True)
+
+run_task(find(sys.argv[1]), RenderRequest(Path(sys.argv[2]), load_preset("archive"), Path(sys.argv[3])), Telling())
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
+@pytest.mark.parametrize("moment", ["start", "render"])
+def test_a_child_ends_with_a_parent_that_is_killed(built, blender, tmp_path, moment):
+    """SIGKILL leaves the parent no chance to end its child."""
+    in_blender(blender, built, "scene.frame_end = 100000")
+    arguments = [PARENT, blender.command[0], str(built), str(tmp_path / "out.mkv")]
+    parent = subprocess.Popen([sys.executable, "-c", *arguments], stdout=subprocess.PIPE)
+    assert parent.stdout is not None
+    if moment == "render":
+        assert parent.stdout.readline() == b"rendering\n"
+    until = time.monotonic() + 60
+    while not (there := children(parent.pid)) and time.monotonic() < until:
+        time.sleep(0.05)
+    parent.kill()
+    parent.wait()
+    parent.stdout.close()
+    while any(Path(f"/proc/{child}").exists() for child in there) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert there
+    assert not [child for child in there if Path(f"/proc/{child}").exists()]

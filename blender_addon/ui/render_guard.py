@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A video that the panel renders bears its name only once it is whole: a stopped one would play too, and deceive.
+
+Blender writes it beside its place under a hidden name; complete, it takes the place of what was there.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy  # pyright: ignore[reportMissingImports]
+from attrs import define
+
+from . import job_runner
+from .translations.lookup import told
+
+
+@define
+class Pending:
+    """A render that runs: which scene, to what file, how many frames it has and how many are done."""
+
+    scene: str
+    target: Path
+    part: Path
+    frames: int
+    done: int = 0
+
+
+_pending: Pending | None = None
+
+
+def begin(scene: Any, target: Path) -> None:
+    """The scene is about to be rendered to ``target``; until it is whole it is written under another name."""
+    global _pending
+    part = target.with_name(f".{target.stem}.part{target.suffix}")
+    part.unlink(missing_ok=True)
+    frames = len(range(scene.frame_start, scene.frame_end + 1, scene.frame_step))
+    _pending = Pending(scene.name, target, part, frames)
+    scene.render.filepath = str(part)
+
+
+def drop() -> None:
+    """The render was stopped, or failed: what it wrote goes, what was there before stays."""
+    if (pending := _take()) is not None:
+        pending.part.unlink(missing_ok=True)
+        text = told("rendering stopped: nothing was written to {path}")
+        job_runner.say(text.format(path=pending.target), "WARNING")
+
+
+def before_saving() -> None:
+    """A file that is saved meanwhile names the video, not its part: the render has its own name already."""
+    if _pending is not None and (scene := bpy.data.scenes.get(_pending.scene)) is not None:
+        scene.render.filepath = str(_pending.target)
+
+
+def _take() -> Pending | None:
+    global _pending
+    pending, _pending = _pending, None
+    if pending is not None and (scene := bpy.data.scenes.get(pending.scene)) is not None:
+        scene.render.filepath = str(pending.target)
+    return pending
+
+
+@bpy.app.handlers.persistent
+def _frame(*_: Any) -> None:
+    if _pending is not None:
+        _pending.done += 1
+
+
+@bpy.app.handlers.persistent
+def _complete(*_: Any) -> None:
+    if _pending is None:
+        return
+    if _pending.done < _pending.frames or not _pending.part.is_file():
+        drop()
+        return
+    pending = _take()
+    assert pending is not None
+    try:
+        pending.part.replace(pending.target)
+    except OSError as error:
+        text = told("the video cannot take its name ({reason}); it lies at {path}")
+        job_runner.say(text.format(reason=error.strerror or error, path=pending.part), "ERROR")
+
+
+@bpy.app.handlers.persistent
+def _cancelled(*_: Any) -> None:
+    drop()
+
+
+HANDLERS = {"render_write": _frame, "render_complete": _complete, "render_cancel": _cancelled}
+
+
+def register() -> None:
+    for name, handler in HANDLERS.items():
+        getattr(bpy.app.handlers, name).append(handler)
+
+
+def unregister() -> None:
+    for name, handler in HANDLERS.items():
+        getattr(bpy.app.handlers, name).remove(handler)
