@@ -7,6 +7,7 @@ environment of its own: what is tested is what requirements.lock pins.
 from __future__ import annotations
 
 import os
+import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -40,6 +41,17 @@ ENVIRONMENT: dict[str, str | None] = {
     # A process each core: threads inside of them would only take turns.
     **dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "OPENCV_FOR_THREADS_NUM"), "1"),
 }
+
+
+# How pip-audit and uv say that there is no network.
+UNREACHED = (
+    "ConnectionError",
+    "NameResolutionError",
+    "Failed to fetch",
+    "dns error",
+    "ConnectTimeout",
+    "No solution found",
+)
 
 
 @nox.session
@@ -154,3 +166,16 @@ def examples(session: nox.Session) -> None:
 def lock(session: nox.Session) -> None:
     """Pins the newest packages that fit, for every system and Python we support, with the hashes of their files."""
     session.run(PYTHON, "tools/lock.py")
+
+
+@nox.session
+def audit(session: nox.Session) -> None:
+    """Asks a public database whether what requirements.lock pins has known holes; a note where it cannot be reached."""
+    asked = ("uv", "tool", "run", "pip-audit", "--no-deps", "--disable-pip", "-s", "osv", "-r", "requirements.lock")
+    done = subprocess.run([str(PROGRAMS / asked[0]), *asked[1:]], cwd=ROOT, capture_output=True, text=True, check=False)
+    if done.returncode and any(word in done.stderr for word in UNREACHED):
+        session.warn("nothing was audited: the database, or pip-audit itself, cannot be reached from here")
+        return
+    session.log(done.stdout + done.stderr)
+    if done.returncode:
+        session.error("a pinned package has a known hole (or the audit failed): see above")
