@@ -117,6 +117,7 @@ class VideoWriter:
         self.size, self.rate, self.encoding = size, Fraction(rate), encoding or Encoding()
         self.frames = 0
         self.samples = 0
+        self._tags = BT709, BT709, BT709  # primaries, transfer, matrix
         self._keyframe_interval, self._audio_rate, self._channels = keyframe_interval, audio_rate, audio_channels
         if self.path.suffix.lower() not in FORMATS:
             raise UsageError(
@@ -173,7 +174,7 @@ class VideoWriter:
         context.pix_fmt = encoding.pixel_format
         context.time_base = stream.time_base = 1 / self.rate
         context.sample_aspect_ratio = Fraction(1)
-        context.color_primaries = context.color_trc = context.colorspace = BT709
+        context.color_primaries, context.color_trc, context.colorspace = self._tags
         context.color_range = LIMITED
         context.flags |= CodecFlags.bitexact
         if self._keyframe_interval:
@@ -198,11 +199,19 @@ class VideoWriter:
         planes = picture if isinstance(picture, Planes) else bgr_to_planes(picture)
         if planes.size != self.size:
             raise ValueError(f"a picture of {planes.size} for a file of {self.size}")
+        frame = self._frame(planes)
+        frame.pts, frame.time_base = self.frames, 1 / self.rate
+        self._mux(self._video, frame)
+        self.frames += 1
+
+    def _frame(self, planes: Planes) -> Any:
         frame = frame_from_planes(planes)
         if self.encoding.pixel_format != "yuv420p":
             frame = frame.reformat(format=self.encoding.pixel_format, src_colorspace="ITU709", dst_colorspace="ITU709")
-        frame.pts, frame.time_base = self.frames, 1 / self.rate
-        self._mux(self._video, frame)
+        return frame
+
+    def leave_out(self) -> None:
+        """Writes no picture: the one before is shown for one more frame."""
         self.frames += 1
 
     def write_audio(self, samples: NDArray[np.float32]) -> None:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import threading
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
-from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mcsl_core.errors import Cancelled, InputError
-from mcsl_core.media.writing import Encoding, VideoWriter
+from mcsl_core.imaging.planes import Planes
 from mcsl_core.progress import Progress
 
 from .clocks import Clock, clocks, frame_counts
 from .ground import Ground
+from .recorder import Recorder
 from .render import CameraPictures
 from .scenario import Scenario
 from .scene import Scene
@@ -24,7 +24,7 @@ from .sound import RATE, Microphone, Room
 from .truth import PoseTruth, Truth, fit_homography, own_frame, rms_distance, save_truth, transfer
 
 
-def simulate(scenario: Scenario, out: Path, progress: Progress) -> Truth:
+def simulate(scenario: Scenario, out: Path, progress: Progress, recorder: Recorder | None = None) -> Truth:
     """Simulates a recording and the truth about it.
 
     Parameters
@@ -36,6 +36,8 @@ def simulate(scenario: Scenario, out: Path, progress: Progress) -> Truth:
         simulation there are replaced.
     progress
         Told of the frames.
+    recorder
+        How the files are written; the kindest way without. The truth is the same.
 
     Returns
     -------
@@ -44,6 +46,8 @@ def simulate(scenario: Scenario, out: Path, progress: Progress) -> Truth:
 
     Raises
     ------
+    UsageError
+        Where the recorder cannot write such a scenario.
     InputError
         Where ``out`` cannot be written to.
 
@@ -57,7 +61,8 @@ def simulate(scenario: Scenario, out: Path, progress: Progress) -> Truth:
     >>> truth.movements  # doctest: +SKIP
     ((711, 820),)
     """
-    out = Path(out)
+    out, recorder = Path(out), recorder or Recorder()
+    recorder.check(scenario)
     progress.stage("scene")
     scene = Scene.of(scenario)
     ground = Ground.of(scenario, scene.surface, scene.rig)
@@ -71,9 +76,8 @@ def simulate(scenario: Scenario, out: Path, progress: Progress) -> Truth:
             f"cannot be written to ({error.strerror})", where=str(out), remedy="Choose another folder"
         ) from error
     progress.stage("film", sum(counts), "frames")
-    filming = Filming(scene, ground, room, times, counts, out)
-    visible = filming.run(progress)
-    truth = _truth(scene, times, counts, visible)
+    visible = Filming(scene, ground, room, recorder, out).run(progress)
+    truth = _truth(scene, recorder, times, counts, visible)
     save_truth(truth, out)
     return truth
 
@@ -81,19 +85,11 @@ def simulate(scenario: Scenario, out: Path, progress: Progress) -> Truth:
 class Filming:
     """All cameras filming at once, in threads: OpenCV and the encoder release Python's lock while they work."""
 
-    def __init__(
-        self,
-        scene: Scene,
-        ground: Ground,
-        room: Room | None,
-        times: tuple[Clock, ...],
-        counts: tuple[int, ...],
-        out: Path,
-    ) -> None:
-        self._scene, self._ground, self._room = scene, ground, room
-        self._times, self._counts = times, counts
+    def __init__(self, scene: Scene, ground: Ground, room: Room | None, recorder: Recorder, out: Path) -> None:
+        self._scene, self._ground, self._room, self._recorder = scene, ground, room, recorder
+        self._times, self._counts = clocks(scene.scenario), frame_counts(scene.scenario)
         self._files = [out / f"{name}.mp4" for name in scene.scenario.camera_names]
-        self._done = [0] * len(counts)
+        self._done = [0] * len(self._counts)
         self._stop = threading.Event()
 
     def run(self, progress: Progress) -> list[NDArray]:
@@ -126,15 +122,15 @@ class Filming:
         visible = np.zeros((self._counts[camera], 2))
         rate = scenario.rate
         heard, length = 0, round(self._counts[camera] / rate * RATE)
-        with VideoWriter(
-            self._files[camera],
-            size=scenario.size,
-            rate=rate,
-            # Cameras set keyframes by the clock, not where a head comes in.
-            encoding=Encoding(options={"preset": "superfast", "crf": str(scenario.crf), "sc_threshold": "0"}),
-            keyframe_interval=max(1, round(Fraction(scenario.keyframe_s) * rate)),
-            audio_rate=RATE if microphone else None,
-        ) as writer:
+        missing = self._recorder.missing(scenario, camera, self._counts[camera])
+        with self._recorder.writer(self._files[camera], scenario, microphone is not None) as writer:
+
+            def at(k: float) -> Planes:
+                planes, shares = pictures.frame(k)
+                if k == int(k):
+                    visible[int(k)] = shares
+                return planes
+
             for k in range(self._counts[camera]):
                 if self._stop.is_set():
                     raise Cancelled
@@ -142,13 +138,19 @@ class Filming:
                     piece = min(RATE, length - heard)
                     writer.write_audio(microphone.read(piece))
                     heard += piece
-                planes, visible[k] = pictures.frame(k)
-                writer.write(planes)
+                planes = self._recorder.picture(at, k)
+                if missing[k]:
+                    writer.leave_out()
+                else:
+                    writer.write(planes)
                 self._done[camera] = k + 1
+        self._recorder.finish(self._files[camera])
         return visible
 
 
-def _truth(scene: Scene, times: tuple[Clock, ...], counts: tuple[int, ...], visible: list[NDArray]) -> Truth:
+def _truth(
+    scene: Scene, recorder: Recorder, times: tuple[Clock, ...], counts: tuple[int, ...], visible: list[NDArray]
+) -> Truth:
     scenario = scene.scenario
     names = scenario.camera_names
     shown = np.zeros((2, scenario.frames, len(names)))
@@ -185,7 +187,7 @@ def _truth(scene: Scene, times: tuple[Clock, ...], counts: tuple[int, ...], visi
         frames=scenario.frames,
         size=scenario.size,
         cameras=names,
-        files=tuple(f"{name}.mp4" for name in names),
+        files=tuple(recorder.file_name(name) for name in names),
         reference=names[0],
         camera_frames=counts,
         clocks=times,

@@ -74,8 +74,11 @@ class CameraPictures:
         self._brighter = np.clip(np.round(grain), 0, 255).astype(np.uint8)
         self._darker = np.clip(np.round(-grain), 0, 255).astype(np.uint8)
 
-    def frame(self, k: int) -> tuple[Planes, tuple[float, float]]:
-        """The camera's own frame ``k`` and the field's visible fractions: everything counted, and without hands."""
+    def frame(self, k: float) -> tuple[Planes, tuple[float, float]]:
+        """The camera's own frame ``k`` and the field's visible fractions: everything counted, and without hands.
+
+        Between two whole numbers it is a picture between two frames.
+        """
         t = self._clock.programme(k / float(self._scene.scenario.rate))
         background, pinhole = self._backdrop.at(t)
         picture = background.copy()
@@ -96,7 +99,7 @@ class CameraPictures:
             if placement.kind == "head":
                 visible.occlude(self._draw(self._heads, placement, pinhole), self._heads.scale, False)
         self._heads.onto(picture)
-        return self._develop(picture, k), visible.fractions()
+        return self._develop(picture, int(k)), visible.fractions()
 
     def _sprite(self, sprite: Sprite) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """The sprite as a layer in this camera's colours, and the soft shade it casts, small; each with its plane."""

@@ -69,9 +69,9 @@ class Truth:
     cameras, reference
         Their names, and the first of them.
     files
-        File names beside truth.json, one a camera.
+        File names beside truth.json, one a camera; of one that is split the first part.
     camera_frames
-        How many frames each file has.
+        How many frames each camera took, whether or not its file kept them all.
     clocks
         Each camera's.
     movements

@@ -25,13 +25,18 @@ from mcsl_core.timing import parse_rate
 @click.option("--drape", type=click.Choice(["green", "blue", "white", "skin"]), default="green", show_default=True)
 @click.option("--skin", type=click.Choice(["light", "medium", "dark"]), default="light", show_default=True)
 @click.option("--gloves", type=click.Choice(["white", "blue", "skin"]), default="white", show_default=True)
+@click.option("--interlaced", is_flag=True, help="Two fields a frame, as theatre recorders write 1080i.")
+@click.option("--hdr", type=click.Choice(["hlg", "pq"]), help="Ten bits of HLG or PQ in BT.2020, as phones do.")
+@click.option("--vfr", is_flag=True, help="Variable frame rate: a quarter of the pictures is missing.")
+@click.option("--split", "split_s", type=float, metavar="S", help="A new file every so many seconds.")
+@click.option("--continuing-clock", is_flag=True, help="With --split: the parts' timestamps go on.")
 @click.pass_obj
-def simulate(session: Session, out: Path, size: str, rate: str, **scene: Any) -> None:
+def simulate(session: Session, out: Path, size: str, rate: str, **chosen: Any) -> None:
     """Make a recording with known truth.
 
     Camera files and truth.json go into the folder OUT.
     """
-    from mcsl_core.simulation import Scenario
+    from mcsl_core.simulation import Recorder, Scenario
     from mcsl_core.simulation import simulate as run
 
     numbers = re.fullmatch(r"(\d+)x(\d+)", size.lower())
@@ -42,11 +47,13 @@ def simulate(session: Session, out: Path, size: str, rate: str, **scene: Any) ->
     except ValueError as error:
         raise UsageError(f"--rate: {error}") from error
     try:
-        scenario = Scenario(size=(int(numbers[1]), int(numbers[2])), rate=frames_per_second, **scene)
+        written = {name: chosen.pop(name) for name in ("interlaced", "vfr", "split_s", "continuing_clock")}
+        recorder = Recorder(hdr=chosen.pop("hdr") or "", **written)
+        scenario = Scenario(size=(int(numbers[1]), int(numbers[2])), rate=frames_per_second, **chosen)
     except ValueError as error:
         raise UsageError(str(error), remedy="See: mcsl simulate --help") from error
     with session.progress() as progress:
-        truth = run(scenario, out, progress)
+        truth = run(scenario, out, progress, recorder)
     session.result(
         {"folder": str(out), "frames": truth.frames, "movements": len(truth.movements)},
         f"{out}: {len(truth.cameras)} cameras, {truth.frames} frames, {len(truth.movements)} lamp movements",

@@ -1,0 +1,142 @@
+"""Unkind recordings of a simulated lamp show, hear and measure as the kind one does."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import av
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from mcsl_core import edl as edls
+from mcsl_core.cli.main import cli
+from mcsl_core.errors import UsageError
+from mcsl_core.recording.footage import footage_of
+from mcsl_core.simulation import Recorder, Scenario, alignment_error, load_truth
+
+SCENE = "--seed 4 --duration 4.5 --size 320x180 --rate 25 --cameras 2 --movements 0"
+LARGER = "--seed 4 --duration 8 --size 480x272 --rate 25 --cameras 3 --movements 0"
+KINDS = {
+    "interlaced": ["--interlaced"],
+    "hlg": ["--hdr", "hlg"],
+    "pq": ["--hdr", "pq"],
+    "vfr": ["--vfr"],
+    "split": ["--split", "1.5"],
+    "continuing": ["--split", "1.5", "--continuing-clock"],
+    "worst": ["--interlaced", "--vfr", "--split", "2", "--continuing-clock"],
+}
+
+
+def run(*arguments) -> None:
+    result = CliRunner().invoke(cli, [str(argument) for argument in arguments])
+    assert result.exit_code == 0, result.output
+
+
+@pytest.fixture(scope="module")
+def recordings(tmp_path_factory):
+    """Kind -> its folder; made when asked for."""
+    made: dict[str, Path] = {}
+
+    def recording(kind: str, scene: str = SCENE) -> Path:
+        if kind + scene not in made:
+            folder = made[kind + scene] = tmp_path_factory.mktemp(kind) / "recording"
+            run("simulate", folder, *scene.split(), *KINDS.get(kind, []))
+        return made[kind + scene]
+
+    return recording
+
+
+def decoded(folder: Path, camera: str):
+    """(time, luma, frame) of a camera's pictures, its parts one after another, by PyAV alone."""
+    begin = Fraction(0)
+    for part in sorted(folder.glob(f"{camera}[._]*")):
+        with av.open(str(part)) as container:
+            frames: list[Any] = list(container.decode(video=0))
+        times = [frame.pts * frame.time_base - frames[0].pts * frame.time_base for frame in frames]
+        yield from ((begin + time, frame) for time, frame in zip(times, frames, strict=True))
+        begin += times[-1] + Fraction(1, 25)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_files_are_as_ordered_and_hold_the_same_moments(recordings, kind):
+    plain, folder = recordings("plain"), recordings(kind)
+    kinds = KINDS[kind]
+    with np.load(plain / "truth.npz") as a, np.load(folder / "truth.npz") as b:
+        assert all(np.array_equal(a[name], b[name]) for name in a.files)
+    truth = load_truth(folder)
+    assert (truth.clocks, truth.frames) == (load_truth(plain).clocks, load_truth(plain).frames)
+    assert all((folder / file).is_file() for file in truth.files)
+    assert len(list(folder.glob("cam1*"))) == {"split": 3, "continuing": 3, "worst": 2}.get(kind, 1)
+    shown = list(decoded(folder, "cam2"))
+    times = [round(float(time * 25), 1) for time, _ in shown]
+    assert times[0] == 0
+    if "--vfr" in kinds:
+        assert 0.6 * truth.camera_frames[1] < len(times) < 0.9 * truth.camera_frames[1]
+    else:
+        assert times == list(range(truth.camera_frames[1]))
+    assert shown[5][1].interlaced_frame == ("--interlaced" in kinds)
+    assert shown[5][1].color_trc == ({"hlg": 18, "pq": 16}.get(kind, 1))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS)
+def test_analysed_and_conformed_it_is_as_the_plain_one(recordings, kind, tmp_path):
+    """Where the cameras stand against the truth, and the programme's pictures against the plain one's."""
+    found = {}
+    for name in ("plain", kind):
+        folder = recordings(name, LARGER)
+        edl_path = tmp_path / name / "edl.json"
+        edl_path.parent.mkdir()
+        run("analyse", folder, "-o", edl_path, "--rate", "25", "--quiet")
+        run("conform", edl_path, "--quiet")
+        edl, truth = edls.load(edl_path), load_truth(folder)
+        offsets = [c.clock.offset_s - t.offset_s for c, t in zip(edl.cameras, truth.clocks, strict=True)]
+        errors = [
+            alignment_error(truth, 0, camera.name, np.array(edl.poses[0].homographies[camera.name]))
+            for camera in edl.cameras
+        ]
+        footage = footage_of(edl, edl_path.parent)
+        pictures = [p for _, p in footage.pictures("cam2", [20, 60, 130, 180])]
+        found[name] = offsets, errors, pictures, edl
+    offsets, errors, pictures, edl = found[kind]
+    assert edl.frames == found["plain"][3].frames
+    assert np.abs(offsets).max() < 0.02
+    assert max(errors) < 1.25 * max(found["plain"][1]) + 0.5
+    for picture, other in zip(pictures, found["plain"][2], strict=True):
+        assert np.abs(picture.mean((0, 1)) - other.mean((0, 1))).max() < 4
+        assert np.abs(picture.astype(int) - other).mean() < 5
+    conformed = sorted((tmp_path / kind).glob("**/*.mp4"))
+    assert conformed
+    with av.open(str(conformed[0])) as container:
+        frames = [frame.interlaced_frame for frame in container.decode(video=0)]
+    assert len(frames) == edl.frames
+    assert not any(frames)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        ({"interlaced": True, "hdr": "pq"}, "not both"),
+        ({"continuing_clock": True}, "split_s"),
+        ({"split_s": 0.1}, "half a second"),
+        ({"split_s": float("nan")}, "half a second"),
+        ({"hdr": "sdr"}, "one of"),
+    ],
+)
+def test_what_cannot_be_is_refused(wrong, told):
+    with pytest.raises(ValueError, match=told):
+        Recorder(**wrong)
+
+
+@pytest.mark.parametrize("wrong", [["--hdr", "hlg"], ["--size", "320x182"], ["--split", "0"], ["--continuing-clock"]])
+def test_the_command_says_what_it_refuses(wrong, tmp_path):
+    result = CliRunner().invoke(cli, ["simulate", str(tmp_path / "out"), "--interlaced", *wrong])
+    assert isinstance(result.exception, UsageError)
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_plain_way_leaves_out_nothing():
+    assert not Recorder().missing(Scenario(duration_s=2, movements=0), 0, 50).any()
