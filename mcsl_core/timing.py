@@ -106,6 +106,17 @@ def cut_points(frames: int, ranges: Iterable[FrameRange]) -> list[int]:
     return sorted(points)
 
 
+def ranges_of(frames: Iterable[int]) -> list[FrameRange]:
+    """Frames in any order as ranges, in order, those that meet joined."""
+    ranges: list[FrameRange] = []
+    for frame in sorted(set(frames)):
+        if ranges and ranges[-1].stop == frame:
+            ranges[-1] = FrameRange(ranges[-1].start, frame + 1)
+        else:
+            ranges.append(FrameRange(frame, frame + 1))
+    return ranges
+
+
 def merge_equal(pieces: Sequence[tuple[FrameRange, T]]) -> list[tuple[FrameRange, T]]:
     """Neighbouring pieces with equal values joined into one."""
     merged: list[tuple[FrameRange, T]] = []

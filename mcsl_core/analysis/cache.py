@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Generic, TypeVar
@@ -23,9 +24,11 @@ from mcsl_core.arrays import read_arrays
 from mcsl_core.documents import make_converter, write_atomic
 from mcsl_core.edl import Clock, Movement, Pose
 from mcsl_core.errors import McslError
+from mcsl_core.media.damage import Damage
 from mcsl_core.movement.protocol import Curve, Detection
 from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.progress import Progress
+from mcsl_core.recording.damage import DamageOf
 
 T = TypeVar("T")
 Arrays = Mapping[str, NDArray]
@@ -153,7 +156,21 @@ def _unpack_poses(arrays: Arrays) -> list[SolvedPose]:
     return solved
 
 
+def _pack_damage(found: DamageOf) -> dict[str, NDArray]:
+    plain = {n: [[[str(d.start_s), str(d.stop_s), d.why] for d in each] for each in of] for n, of in found.items()}
+    return {"damage": _text(plain)}
+
+
+def _unpack_damage(arrays: Arrays) -> DamageOf:
+    plain = json.loads(str(arrays["damage"][()]))
+    return {
+        name: tuple(tuple(Damage(Fraction(a), Fraction(b), why) for a, b, why in each) for each in of)
+        for name, of in plain.items()
+    }
+
+
 CLOCKS = Stage("clocks", _pack_clocks, _unpack_clocks)
+DAMAGE = Stage("damage", _pack_damage, _unpack_damage)
 MOVEMENTS = Stage("movements", _pack_detection, _unpack_detection)
 POSES = Stage("poses", _pack_poses, _unpack_poses)
 SCORES = Stage("scores", ScoreTable.arrays, ScoreTable.from_arrays)

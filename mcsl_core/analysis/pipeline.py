@@ -26,15 +26,17 @@ from mcsl_core.hooks.watch import Watch
 from mcsl_core.occlusion.scoring import score_views, scoring_segments
 from mcsl_core.progress import Progress
 from mcsl_core.recording.cameras import choose_reference, open_cameras, programme_length
+from mcsl_core.recording.damage import damage_of, tell_of_damage, with_gaps
 from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.sample_store import SampleStore
+from mcsl_core.selection.gaps import without_gaps
 from mcsl_core.selection.switch_refinement import refine_switches, with_switches_at
 from mcsl_core.sync.synchronise import synchronise
 
-from .cache import CLOCKS, CUTS, MOVEMENTS, POSES, SCORES, Deferred, StageCache
+from .cache import CLOCKS, CUTS, DAMAGE, MOVEMENTS, POSES, SCORES, Deferred, StageCache
 from .measurements import Measurements
 from .settings import AnalysisSettings
-from .stage_keys import clocks_key, stage_keys
+from .stage_keys import clocks_key, damage_key, stage_keys
 
 
 def analyse(
@@ -53,6 +55,7 @@ def analyse(
     rate = settings.rate or reference.rate
     cache = StageCache(cache_folder(out) if settings.cache else None, progress)
     footage = _on_one_clock(cameras, reference.name, out.parent, rate, settings, cache, progress)
+    footage = _with_gaps(footage, cache, progress)
     cameras, frames = footage.cameras, footage.frames
     sizes = {camera.name: camera.size for camera in cameras}
     shown = Shown(float(rate), frames, reference.size, sizes)
@@ -69,6 +72,7 @@ def analyse(
         solved = cache.remember(POSES, keys.poses, solve_poses, solver, samples, movements, frames, progress)
         segments = Deferred(scoring_segments, samples, solved, movements, by["occlusion"])
         table = cache.remember(SCORES, keys.scores, score_views, samples, solved, segments, movements, progress)
+        table = without_gaps(table, footage.cameras, frames)
         shots = by["selector"].select(table, frames=frames, rate=rate)
         least_s = by["selector"].min_shot_s
         refine = partial(refine_switches, min_shot_s=least_s)
@@ -78,7 +82,7 @@ def analyse(
         size=reference.size,
         frames=frames,
         reference=reference.name,
-        cameras=cameras,
+        cameras=footage.cameras,
         movements=movements,
         poses=tuple(pose.pose for pose in solved),
         shots=with_switches_at(shots, cuts),
@@ -93,6 +97,15 @@ def analyse(
     if not edl.remember(made, out):
         progress.note("that this EDL was made here cannot be remembered: other commands will want --allow-outside")
     return made
+
+
+def _with_gaps(footage: Footage, cache: StageCache, progress: Progress) -> Footage:
+    """``footage`` whose cameras know where their files are damaged."""
+    found = cache.remember(DAMAGE, damage_key(footage.cameras), damage_of, footage, progress)
+    cameras = with_gaps(footage, found, progress)
+    if cameras == footage.cameras:
+        return footage
+    return Footage(cameras, rate=footage.rate, frames=footage.frames, base=footage.base)
 
 
 def cache_folder(out: Path) -> Path:
@@ -142,6 +155,7 @@ def _samples(footage: Footage, cache: StageCache, key: str, step_s: float, progr
         else:
             store.parent.mkdir(parents=True, exist_ok=True)
         with closing(SampleStore.record(footage, store, progress, step_s=step_s)) as samples:
+            tell_of_damage(footage, progress)
             cache.prune("samples", kept=2)  # the pictures and their contents; some 20 MB a minute
             yield samples
 

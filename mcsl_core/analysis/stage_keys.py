@@ -19,6 +19,7 @@ from mcsl_core.code_keys import code_of
 from mcsl_core.edl import Camera, Shot
 from mcsl_core.hooks.registry import Offer
 from mcsl_core.occlusion.scoring import score_views
+from mcsl_core.recording.damage import damage_of
 from mcsl_core.recording.sample_store import SampleStore
 from mcsl_core.selection.switch_refinement import refine_switches
 from mcsl_core.sync.synchronise import synchronise
@@ -53,7 +54,7 @@ def stage_keys(
     """The keys for a recording. cameras: with their media's fingerprints. chosen: stage -> who does it."""
     by = {stage: identity(offer) for stage, offer in chosen.items()}
     clocks = clocks_key(cameras, reference, settings)
-    samples = key_of(code_of(SampleStore), clocks, rate, frames, settings.sample_s)
+    samples = key_of(code_of(SampleStore), clocks, damage_key(cameras), rate, frames, settings.sample_s)
     movements = key_of(samples, by["movement"])
     poses = key_of(code_of(solve_poses), movements, reference, by["matcher"], by["aligner"], settings.solve)
     scores = key_of(code_of(score_views), poses, by["occlusion"])
@@ -62,8 +63,16 @@ def stage_keys(
 
 def clocks_key(cameras: Sequence[Camera], reference: str, settings: AnalysisSettings) -> str:
     """Of the cameras' clocks, on which the programme's length depends, and with it all that comes after."""
-    media = [[camera.name, *(media.fingerprint for media in camera.media)] for camera in cameras]
-    return key_of(code_of(synchronise), media, reference, settings.sync)
+    return key_of(code_of(synchronise), _media(cameras), reference, settings.sync)
+
+
+def damage_key(cameras: Sequence[Camera]) -> str:
+    """Of what is damaged in the files, whatever the settings are."""
+    return key_of(code_of(damage_of), _media(cameras))
+
+
+def _media(cameras: Sequence[Camera]) -> list[list[str]]:
+    return [[camera.name, *(media.fingerprint for media in camera.media)] for camera in cameras]
 
 
 def identity(offer: Offer) -> tuple[str, str, str]:

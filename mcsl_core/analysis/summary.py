@@ -5,6 +5,8 @@ from __future__ import annotations
 from mcsl_core import edl
 from mcsl_core.timing import format_time
 
+_MOST_GAPS = 5  # of a camera that are told one by one
+
 
 def summary(made: edl.Edl) -> dict[str, object]:
     """What was decided, for programs."""
@@ -17,6 +19,7 @@ def summary(made: edl.Edl) -> dict[str, object]:
         "shots": len(made.shots),
         "overrides": len(made.overrides),
         "weak": [{"pose": i, "camera": w.camera, "reason": w.reason} for i, p in enumerate(made.poses) for w in p.weak],
+        "gaps": {c.name: [[g.start, g.stop] for g in c.gaps] for c in made.cameras if c.gaps},
         "residual_px": [dict(p.residual_px) for p in made.poses],
         **({"gaze": settings["gaze"]} if "gaze" in settings else {}),
     }
@@ -29,6 +32,11 @@ def describe(made: edl.Edl) -> str:
         f"{len(made.cameras)} cameras, {format_time(seconds)} at {float(made.rate):.6g} frames/s, "
         f"{len(made.shots)} shots, {len(made.overrides)} overrides"
     ]
+    for camera in made.cameras:
+        if camera.gaps:
+            spans = [" to ".join(format_time(f / made.rate) for f in (g.start, g.stop)) for g in camera.gaps]
+            more = f" and {len(spans) - _MOST_GAPS} more" if len(spans) > _MOST_GAPS else ""
+            lines.append(f"  no picture: {camera.name} from {', '.join(spans[:_MOST_GAPS])}{more}")
     for movement in made.movements:
         start, stop = (format_time(f / made.rate) for f in (movement.range.start, movement.range.stop))
         lines.append(f"  the lamp moves from {start} to {stop} (confidence {movement.confidence:.0%})")

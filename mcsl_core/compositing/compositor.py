@@ -119,12 +119,8 @@ class Compositor:
         return _Composited(perspective, self._frame(frame, decision, pose_index, known))
 
     def _frame(self, frame: int, decision: Decision, pose_index: int, previous: Planes | None) -> Planes:
-        edl, camera = self.edl, decision.camera
-        planes = self._warper.own_picture(camera, frame)
-        if planes is None and camera != edl.reference:
-            camera = edl.reference
-            planes = self._warper.own_picture(camera, frame)
-        if planes is None:
+        edl, camera = self.edl, self._camera_with_picture(frame, decision, pose_index)
+        if camera is None:
             return black(edl.size)
         offset = shift_at(edl, decision, frame)
         steady = all(shift_at(edl, decision, near) == offset for near in (frame - 1, frame + 1))
@@ -132,6 +128,14 @@ class Compositor:
         if decision.fill and self._warper.is_placed(pose_index, camera):
             return self.filler.fill(context)
         return self.filler.unfilled(context) if isinstance(self.filler, ShowProvenance) else context.front
+
+    def _camera_with_picture(self, frame: int, decision: Decision, pose_index: int) -> str | None:
+        """The decision's camera, or who stands in for it where it has none: the reference, then who may fill."""
+        others = self._warper.others(pose_index, decision.camera) if decision.fill else ()
+        for camera in dict.fromkeys((decision.camera, self.edl.reference, *others)):
+            if self._warper.own_picture(camera, frame) is not None:
+                return camera
+        return None
 
 
 @frozen(eq=False)

@@ -26,6 +26,8 @@ from mcsl_core.media.fingerprint import newest_change_s
 from mcsl_core.media.writing import VideoWriter
 from mcsl_core.progress import Progress, Silent
 from mcsl_core.recording.contents import read_contents
+from mcsl_core.recording.damage import tell_of_damage
+from mcsl_core.recording.disk_space import tell_of_space
 from mcsl_core.recording.footage import footage_of
 
 from .audio import is_audible, sound_key, write_wav
@@ -106,8 +108,10 @@ def conform(
     _sweep(out)
     _rename_former(source, out, chunks, quality)
     _tell_of_changed_media(source, progress)
-    audio = _make_sound(source, out, progress)
     missing = [chunk for chunk in chunks if not (out / chunk.name).is_file()]
+    if missing:
+        _tell_of_space(source, out, chunks, missing, quality, progress)
+    audio = _make_sound(source, out, progress)
     if missing:
         _make_chunks(source, out, missing, min(jobs, len(missing)), quality, progress)
     if prune:
@@ -173,6 +177,23 @@ def _tell_of_changed_media(source: ProgrammeSource, progress: Progress) -> None:
                 progress.note(f"{media.path} of {camera.name} has changed since the analysis")
 
 
+def _tell_of_space(
+    source: ProgrammeSource,
+    out: Path,
+    chunks: Sequence[Chunk],
+    missing: Sequence[Chunk],
+    quality: Quality,
+    progress: Progress,
+) -> None:
+    """What the missing chunks will take: as those that are there, or as such pictures do."""
+    frames = sum(len(chunk.range) for chunk in missing)
+    there = [chunk for chunk in chunks if chunk not in missing]
+    a_frame = source.edl.size[0] * source.edl.size[1] * quality.bits_a_pixel / 8
+    if there:
+        a_frame = sum((out / c.name).stat().st_size for c in there) / sum(len(c.range) for c in there)
+    tell_of_space("The conformed pictures", out, frames * a_frame, float(frames / source.edl.rate), progress)
+
+
 def _make_sound(source: ProgrammeSource, out: Path, progress: Progress) -> Path | None:
     edl, camera = source.edl, source.sound_camera
     footage = footage_of(edl, source.base, 1)
@@ -189,8 +210,8 @@ class _ChunkMaker:
 
     def __init__(self, source: ProgrammeSource, out: Path, quality: Quality, *, jobs: int) -> None:
         self._source, self._out, self._quality, self._encoding = source, out, quality, quality.encoding
-        self._footage = footage_of(source.edl, source.base, threads=0 if jobs == 1 else 1)
-        self._parallax = Parallax(source.edl, self._footage)
+        self.footage = footage_of(source.edl, source.base, threads=0 if jobs == 1 else 1)
+        self._parallax = Parallax(source.edl, self.footage)
         if jobs > 1 and self._encoding.codec == "libx264":
             self._encoding = attrs.evolve(self._encoding, options={**self._encoding.options, "threads": "1"})
         self._stopped, self._lock = threading.Event(), threading.Lock()
@@ -205,7 +226,7 @@ class _ChunkMaker:
         with (
             Compositor(
                 edl,
-                self._footage,
+                self.footage,
                 filler=self._source.filler,
                 resampling=quality.resampling,
                 parallax=self._parallax,
@@ -255,3 +276,4 @@ def _make_chunks(
                 raise
     finally:
         cv2.setNumThreads(threads_before)
+    tell_of_damage(maker.footage, progress)

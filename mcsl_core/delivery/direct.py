@@ -12,6 +12,7 @@ from mcsl_core.imaging.planes import resize_planes
 from mcsl_core.imaging.warp import Resampling
 from mcsl_core.media.writing import Encoding, VideoWriter
 from mcsl_core.progress import Progress, Silent
+from mcsl_core.recording.damage import tell_of_damage
 from mcsl_core.recording.footage import footage_of
 from mcsl_core.timing import FrameRange
 
@@ -85,3 +86,4 @@ def write_direct(
                     break
                 writer.write_audio(block[:, None].repeat(video.audio_channels, axis=1))
             progress.advance(done)
+    tell_of_damage(footage, progress)

@@ -18,21 +18,25 @@ from mcsl_core.media.writing import Encoding
 
 @frozen
 class Quality:
-    """One way of conforming. ``group``: frames from keyframe to keyframe, what scrubbing may have to decode."""
+    """One way of conforming.
+
+    group: frames from keyframe to keyframe, what scrubbing may have to decode. bits_a_pixel: what pictures take, about.
+    """
 
     name: str
     encoding: Encoding
     group: int
     resampling: Resampling = "linear"
+    bits_a_pixel: float = 0.4
 
 
 def _x264(crf: int) -> Encoding:
     return Encoding(options={"preset": "ultrafast", "crf": str(crf)})
 
 
-DRAFT = Quality("draft", _x264(24), 60)  # for the network and the laptop: 4 Mbit/s, 43 dB
+DRAFT = Quality("draft", _x264(24), 60, bits_a_pixel=0.07)  # for the network and the laptop: 4 Mbit/s, 43 dB
 STANDARD = Quality("standard", _x264(14), 30)  # visually lossless: 50 dB, no block of 16 x 16 pixels off by 1.3 codes
-FINE = Quality("fine", _x264(8), 15, "lanczos")  # sharper by its resampling, at five times the time
+FINE = Quality("fine", _x264(8), 15, "lanczos", bits_a_pixel=0.8)  # sharper by its resampling, at five times the time
 QUALITIES = {quality.name: quality for quality in (DRAFT, STANDARD, FINE)}  # the least first
 
 

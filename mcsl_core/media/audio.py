@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from .facts import MediaFacts
 from .opening import open_file, time_origin_of, timestamp_of
+from .packets import packets_of
 from .tracks import AudioTrack, decoder_of
 
 log = logging.getLogger(__name__)
@@ -70,18 +71,15 @@ def read_audio(
 
 def _audio_frames(container: Any, stream: Any, track: AudioTrack, name: str) -> Iterator[Any]:
     decoder = decoder_of(stream, track)
-    packets, damaged = container.demux(stream), False
-    while True:
+    damaged = False
+    for packet in packets_of(container, stream):
         try:
-            packet = next(packets, None)
-            frames = decoder.decode(packet) if packet is not None else []
+            frames = decoder.decode(packet)
         except FFmpegError as error:
             if not damaged:
                 log.warning("%s: damaged sound is left out (%s)", name, error.strerror)
             damaged = True
             continue
-        if packet is None:
-            return
         yield from frames
 
 

@@ -31,7 +31,7 @@ def deinterlaced(frames: Iterator[Shown], scan: Scan, *, from_start: bool) -> It
     Parameters
     ----------
     frames
-        Times and `av.VideoFrame`, in presentation order.
+        Times and `av.VideoFrame`, in presentation order; None where there is no whole picture.
     scan
         Which of them are interlaced.
     from_start
@@ -46,9 +46,13 @@ def deinterlaced(frames: Iterator[Shown], scan: Scan, *, from_start: bool) -> It
     before: Any = None
     fields: _Fields | None = None
     for time, frame in frames:
-        if fields is not None and fields.form != _form(frame):
+        if fields is not None and (frame is None or fields.form != _form(frame)):
             yield from fields.rest()
             fields, before, from_start = None, None, True
+        if frame is None:  # a picture that is not whole is no neighbour either
+            yield time, None
+            before, from_start = None, True
+            continue
         if fields is None and is_woven(frame, scan):
             fields = _Fields(frame, scan)
             if before is not None:

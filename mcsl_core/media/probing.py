@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import logging
 from collections.abc import Sequence
 from fractions import Fraction
 from functools import lru_cache
@@ -21,11 +20,10 @@ from .colours import colour_note, refuse_colours
 from .facts import MediaFacts, displayed_size, is_variable
 from .opening import main_video, open_file, refuse_raw, time_origin_of, timestamp_of
 from .orientation import orientation_of
+from .packets import packets_of
 from .scan import scan_of
 from .timestamps import frame_rate, set_back
 from .tracks import AudioTrack, audio_tracks
-
-log = logging.getLogger(__name__)
 
 _WHOLE_BYTES = 64 << 20  # a file without an index is scanned whole up to this size (0.1 s), else at its ends
 _HEAD_PACKETS = 600
@@ -266,15 +264,12 @@ def _promised_end(container: Any, stream: Any, zero: Fraction) -> Fraction | Non
 
 def _first_picture(container: Any, stream: Any, path: Path) -> Any:
     reason = "no picture in it"
-    try:
-        for packet in itertools.islice(container.demux(stream), 1000):
-            try:
-                for frame in packet.decode():
-                    return frame
-            except FFmpegError as error:
-                reason = str(error.strerror)
-    except FFmpegError as error:
-        reason = str(error.strerror)
+    for packet in itertools.islice(packets_of(container, stream), 1000):
+        try:
+            for frame in packet.decode():
+                return frame
+        except FFmpegError as error:
+            reason = str(error.strerror)
     raise MediaError(
         f"not one picture can be decoded ({reason})",
         where=str(path),
@@ -323,15 +318,12 @@ def _end(path: Path, ticks: int, *, any_frame: bool) -> Fraction | None:
 
 def _packets(container: Any, stream: Any, most: int | None) -> tuple[list[int], int, Fraction | None]:
     stamps, keys, last = [], 0, None
-    try:
-        for packet in itertools.islice(container.demux(stream), most):
-            stamp = timestamp_of(packet)
-            if stamp is not None and packet.size:
-                stamps.append(stamp)
-                keys += packet.is_keyframe
-                last = max(last or (stamp, 0), (stamp, packet.duration or 0))
-    except FFmpegError as error:
-        log.warning("%s: reading its packets ended early (%s)", container.name, error.strerror)
+    for packet in itertools.islice(packets_of(container, stream), most):
+        stamp = timestamp_of(packet)
+        if stamp is not None and packet.size:
+            stamps.append(stamp)
+            keys += packet.is_keyframe
+            last = max(last or (stamp, 0), (stamp, packet.duration or 0))
     if last is None:
         return stamps, keys, None
     rising = sorted(stamps)

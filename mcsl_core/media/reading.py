@@ -14,7 +14,9 @@ from av.error import FFmpegError
 from .deinterlacing import deinterlaced, is_woven
 from .facts import MediaFacts
 from .opening import main_video, open_file, timestamp_of
+from .packets import judged_packets, packets_of
 from .reordering import ShownOrder
+from .whole_frames import WholeFrames
 
 log = logging.getLogger(__name__)
 
@@ -65,7 +67,7 @@ class VideoReader:
         """Closes the file."""
         self._container.close()
 
-    def read(self, from_s: Fraction) -> Iterator[tuple[Fraction, Any]]:
+    def read(self, from_s: Fraction) -> Iterator[tuple[Fraction, Any | None]]:
         """Frames in presentation order, from the one shown at ``from_s`` on.
 
         Parameters
@@ -76,7 +78,8 @@ class VideoReader:
         Yields
         ------
         time_s, frame
-            The frame's presentation time on the file's own time; rising.
+            The frame's presentation time on the file's own time; rising. None for the frame from the first that is not
+            whole to the next keyframe that is: what decoders show there is made up.
 
         Notes
         -----
@@ -112,31 +115,36 @@ class VideoReader:
         self._fresh = False
         return True
 
-    def _decoded(self) -> Iterator[tuple[Fraction, Any]]:
+    def _decoded(self) -> Iterator[tuple[Fraction, Any | None]]:
+        """Frames as they come from the decoder, None where they are not whole.
+
+        Nothing is decoded from damage to the next keyframe, and the decoder begins anew there: HEVC's lost all of the
+        pictures after that keyframe otherwise.
+        """
         order = ShownOrder(from_start=self._fresh) if self.facts.decoding_order else None
         self._fresh = False
-        tick, zero, name = self._stream.time_base, self.facts.zero_s, self.facts.path.name
-        damaged = 0
-        packets = self._container.demux(self._stream)
-        while True:
+        context, judge, lost = self._stream.codec_context, WholeFrames(1 / self.facts.rate), False
+        for packet, whole in judged_packets(self._container, self._stream, self.facts.rate):
+            lost = not whole or (lost and not packet.is_keyframe)
+            frames = []
+            if order is not None:
+                order.feed(packet)
             try:
-                packet = next(packets, None)
-                if packet is not None and order is not None:
-                    order.feed(packet)
-                frames = packet.decode() if packet is not None else []
+                if not lost:
+                    frames = packet.decode()
+                elif not judge.broken:
+                    frames = context.decode(None)
             except FFmpegError as error:
-                damaged += 1
-                if damaged == 1:
-                    log.warning("%s: a damaged part is left out (%s)", name, error.strerror)
-                if damaged > 1000:
-                    return
-                continue
-            if packet is None:
-                return
+                log.info("%s: a damaged part is left out (%s)", self.facts.path.name, error.strerror)
+                lost = True
             for frame in frames:
                 stamp = timestamp_of(frame) if order is None else order.stamp(frame)
                 if stamp is not None:
-                    yield stamp * tick - zero, frame
+                    yield from judge.judged(stamp * self._stream.time_base - self.facts.zero_s, frame)
+            if lost and not judge.broken:
+                judge.broken = True
+                context.flush_buffers()
+        yield from judge.end()
 
     def _keyframe_stamps(self) -> list[int]:
         """Presentation timestamps of all keyframes where the file has a full index; else nothing.
@@ -145,7 +153,7 @@ class VideoReader:
         """
         index = self._stream.index_entries
         if not self._keys and 0 < self._stream.frames <= len(index):
-            first = next((p for p in self._container.demux(self._stream) if p.is_keyframe and p.size), None)
+            first = next((p for p in packets_of(self._container, self._stream) if p.is_keyframe and p.size), None)
             delay = first.pts - first.dts if first is not None and None not in (first.pts, first.dts) else 0
             self._keys = [e.timestamp + delay for e in index if e.is_keyframe]
         return self._keys
@@ -177,7 +185,7 @@ class VideoReader:
         try:
             frames = self._keyframe_and_next(target)
         except FFmpegError as error:
-            log.warning("%s: no keyframe at %.1f s (%s)", self.facts.path.name, float(near_s), error.strerror)
+            log.info("%s: no keyframe at %.1f s (%s)", self.facts.path.name, float(near_s), error.strerror)
             return None
         self._fresh = False
         times = ((timestamp_of(frame) * tick - self.facts.zero_s, frame) for frame in frames)
@@ -187,7 +195,7 @@ class VideoReader:
         """The keyframe before ``target`` ticks; where it is interlaced, also the frame shown next."""
         context = self._stream.codec_context
         self._container.seek(target, stream=self._stream)
-        packets = self._container.demux(self._stream)
+        packets = packets_of(self._container, self._stream)
         first = next((p for p in packets if p.is_keyframe and p.size), None)
         if first is None:
             return []
@@ -200,6 +208,8 @@ class VideoReader:
         frames += context.decode(None)
         context.flush_buffers()
         shown = _from(frames, first)[:2]
+        if shown and shown[0].is_corrupt:
+            return []
         if shown and not self._woven and is_woven(shown[0], self.facts.scan):
             self._woven = True
             return self._keyframe_and_next(target)

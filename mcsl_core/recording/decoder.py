@@ -86,8 +86,9 @@ class Decoder:
         self._part: Part | None = None
         self._reader: VideoReader | None = None
         self._pictures: Iterator[tuple[Fraction, Any]] = iter(())
-        self._now: tuple[Fraction, Any] | None = None
-        self._next: tuple[Fraction, Any] | None = None
+        self._now: tuple[Fraction, Any | None] | None = None
+        self._next: tuple[Fraction, Any | None] | None = None
+        self.damaged = False  # whether what was asked for last is in a file, but not whole
 
     def close(self) -> None:
         """Closes the file that is open."""
@@ -108,7 +109,8 @@ class Decoder:
         return file_time
 
     def at(self, camera_s: Fraction) -> DecodedFrame | None:
-        """The frame shown at ``camera_s`` of the camera's own time; None without picture."""
+        """The frame shown at ``camera_s`` of the camera's own time; None without a whole picture."""
+        self.damaged = False
         file_time = self._enter(camera_s)
         if file_time is None or self._part is None or self._reader is None:
             return None
@@ -121,7 +123,10 @@ class Decoder:
             self._now, self._next = next(self._pictures, None), next(self._pictures, None)
         while self._next is not None and self._next[0] <= goal:
             self._now, self._next = self._next, next(self._pictures, None)
-        return self._shown(self._now)
+        begun = self._now is not None and self._now[0] <= goal + 2 / facts.rate
+        shown = self._shown(self._now) if begun else None
+        self.damaged = shown is None
+        return shown
 
     def keyframe(self, camera_s: Fraction, within_s: Fraction) -> DecodedFrame | None:
         """As `at`, but the nearest keyframe where there is one within ``within_s`` seconds."""
@@ -129,13 +134,13 @@ class Decoder:
         if file_time is None or self._part is None or self._reader is None:
             return None
         found = self._reader.keyframe(file_time)
-        self._now = None  # the reader has seeked elsewhere
+        self._now, self.damaged = None, False  # the reader has seeked elsewhere
         if found is None or abs(found[0] - file_time) > within_s:
             return self.at(camera_s)
         return self._shown(found)
 
-    def _shown(self, picture: tuple[Fraction, Any] | None) -> DecodedFrame | None:
-        if picture is None or self._part is None:
+    def _shown(self, picture: tuple[Fraction, Any | None] | None) -> DecodedFrame | None:
+        if picture is None or picture[1] is None or self._part is None:
             return None
         return DecodedFrame(self._part.begin_s + picture[0], picture[1], self._part.facts)
 
@@ -151,6 +156,12 @@ def part_at(parts: Sequence[Part], camera_s: Fraction) -> Part | None:
     if ended and begun < len(parts) and parts[begun].begin_s <= camera_s + parts[begun].facts.tolerance_s:
         return parts[begun]
     return parts[begun - 1] if begun else None
+
+
+def exact_programme_time(camera: Camera, camera_s: Fraction) -> Fraction:
+    """The inverse of `exact_camera_time`."""
+    clock = camera.clock
+    return camera_s / (1 + Fraction(repr(clock.drift_ppm)) / 1_000_000) + Fraction(repr(clock.offset_s))
 
 
 def exact_camera_time(camera: Camera, programme_s: Fraction) -> Fraction:

@@ -24,7 +24,7 @@ from mcsl_core.imaging.planes import U8, Planes, median_planes, planes_to_bgr, r
 from mcsl_core.lru_cache import LruCache
 from mcsl_core.media.frames import to_planes
 from mcsl_core.media.probing import probe
-from mcsl_core.timing import FrameRange
+from mcsl_core.timing import FrameRange, ranges_of
 
 from .audio import camera_audio
 from .decoder import DecodedFrame, Decoder, Part, exact_camera_time
@@ -50,9 +50,7 @@ class Player:
         return self._last[1]
 
     def _read(self, frame: int) -> Planes | None:
-        if self._footage.has_gap(self._camera, frame):
-            return None
-        shown = self._decoder.at(self._footage.camera_time(self._camera, frame))
+        shown = self._footage.shown(self._camera, self._decoder, frame)
         if shown is None:
             return None
         if shown.frame is not self._frame:
@@ -93,6 +91,7 @@ class Footage:
         self._threads = threads
         self._by_name = {camera.name: camera for camera in self.cameras}
         self._parts: dict[str, tuple[Part, ...]] = {}
+        self._damaged: dict[str, set[int]] = {camera.name: set() for camera in self.cameras}
         picture_bytes = max((c.size[0] * c.size[1] * 3 // 2 for c in self.cameras), default=1)
         self._medians: LruCache[Planes | None] = LruCache(_MEDIANS * picture_bytes)
         self._keyframes: LruCache[Planes | None] = LruCache(_KEYFRAMES * picture_bytes)
@@ -126,6 +125,28 @@ class Footage:
         """Whether programme frame ``frame`` lies in one of the camera's gaps, where it has no picture."""
         return any(frame in gap for gap in self.camera(camera).gaps)
 
+    def shown(self, camera: str, decoder: Decoder, frame: int) -> DecodedFrame | None:
+        """What ``decoder``, one of the camera's, shows at programme frame ``frame``; None without a whole picture."""
+        if self.has_gap(camera, frame):
+            return None
+        shown = decoder.at(self.camera_time(camera, frame))
+        if decoder.damaged:
+            self._damaged[camera].add(frame)
+        return shown
+
+    def shown_near(self, camera: str, decoder: Decoder, frame: int, within_s: Fraction) -> DecodedFrame | None:
+        """As `shown`, but the nearest keyframe where there is one within ``within_s`` seconds and no gap."""
+        if self.has_gap(camera, frame):
+            return None
+        shown = decoder.keyframe(self.camera_time(camera, frame), within_s)
+        if shown is None or self.has_gap(camera, self.programme_frame(camera, shown.camera_s)):
+            return self.shown(camera, decoder, frame)
+        return shown
+
+    def damage_met(self) -> dict[str, tuple[FrameRange, ...]]:
+        """Camera -> programme frames that were asked for, lie in no known gap and could not be decoded whole."""
+        return {camera: tuple(ranges_of(frames)) for camera, frames in self._damaged.items() if frames}
+
     def player(self, camera: str) -> Player:
         """Full-size pictures of ``camera`` one at a time; close it when done."""
         return Player(self, camera, Decoder(self.parts(camera), threads=self._threads))
@@ -145,10 +166,8 @@ class Footage:
         with closing(Decoder(self.parts(camera), threads=self._threads)) as head:
 
             def near(frame: int) -> Planes | None:
-                if self.has_gap(camera, frame):
-                    return None
                 reach = min(half_way, frame - within.start, within.stop - 1 - frame)
-                shown = head.keyframe(self.camera_time(camera, frame), Fraction(reach) / self.rate)
+                shown = self.shown_near(camera, head, frame, Fraction(reach) / self.rate)
                 return None if shown is None else self.full_picture(camera, shown)
 
             keys = [(camera, frame, half_way, within) for frame in frames]
@@ -206,7 +225,7 @@ class Footage:
                 if last is not None and frame <= last:
                     raise ValueError(f"frames must rise, got {last} then {frame}")
                 last = frame
-                shown = None if self.has_gap(camera, frame) else decoder.at(self.camera_time(camera, frame))
+                shown = self.shown(camera, decoder, frame)
                 yield frame, None if shown is None else self.picture(camera, shown, height)
 
     def full_picture(self, camera: str, shown: DecodedFrame) -> Planes:

@@ -144,13 +144,10 @@ def _sampled_pictures(
     picture: U8 | None = None
     with closing(Decoder(parts, threads=1, skip="" if by_keyframes else "NONREF")) as decoder:
         for frame in frames:
-            time = footage.camera_time(camera, frame)
-            if footage.has_gap(camera, frame):
-                found = None
-            elif by_keyframes:
-                found = decoder.keyframe(time, reach)
+            if by_keyframes:
+                found = footage.shown_near(camera, decoder, frame, reach)
             else:
-                found = decoder.at(time)
+                found = footage.shown(camera, decoder, frame)
             if found is None:
                 yield _SampledPicture(None, frame)
                 continue

@@ -24,11 +24,13 @@ from mcsl_core.input_files import check_file
 from mcsl_core.progress import Progress
 from mcsl_core.timing import FrameRange
 
+from .disk_space import tell_of_space
 from .footage import Footage
 from .keyframe_sampling import sample_cameras
 
 SAMPLE_HEIGHT = 360
 _converter = make_converter()
+_BYTES_A_PIXEL = 0.26  # of JPEGs of rich texture
 JPEG_QUALITY = 92  # 45 dB: below what movement and hue are judged by; 40-80 kB a picture
 
 
@@ -108,6 +110,8 @@ class SampleStore:
             Seconds from one sample to the next.
         """
         progress.stage("Sampling the recording", footage.frames, "frames")
+        seconds = float(footage.frames / footage.rate)
+        tell_of_space("The samples", store.parent, seconds / step_s * _sample_bytes(footage), seconds, progress)
         with writing(store):
             _contents_of(store).unlink(missing_ok=True)
             stream = store.open("w+b")
@@ -194,6 +198,12 @@ class SampleStore:
             remedy = "Delete it, or the folder it lies in, and run the same command again"
             raise InputError("holds samples that are damaged", where=str(self._file.name), remedy=remedy)
         return picture  # pyright: ignore[reportReturnType]
+
+
+def _sample_bytes(footage: Footage) -> float:
+    """About what the pictures of all cameras take at one frame."""
+    heights = {camera.name: min(SAMPLE_HEIGHT, camera.size[1]) for camera in footage.cameras}
+    return sum(heights[c.name] ** 2 * c.size[0] / c.size[1] for c in footage.cameras) * _BYTES_A_PIXEL
 
 
 def _contents_of(store: Path) -> Path:

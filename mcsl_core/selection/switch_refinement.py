@@ -24,6 +24,7 @@ from mcsl_core.timing import FrameRange
 
 from .protocol import least_frames
 
+_GAP = 100.0  # a frame without a picture weighs more than any that are not clear
 # Number of the switch and the frames it may go to -> the one of them to switch at.
 ChooseFrame = Callable[[int, FrameRange], int]
 
@@ -92,7 +93,8 @@ def refine_switches(
             return switch
         frames = range(scored.start, scored.stop, step)
         gain = _visible(before.camera, frames, footage, segment) - _visible(after.camera, frames, footage, segment)
-        return _clearest(switch, scored, np.array(frames), gain)
+        lacks = _gaps(footage, after.camera, scored) - _gaps(footage, before.camera, scored)
+        return _clearest(switch, scored, np.array(frames), gain, lacks)
 
     progress.stage("Refining the switches", len(shots) - 1, "switches")
     switches: list[int] = []
@@ -182,16 +184,29 @@ def _meets_movement(first: int, last: int, movements: Sequence[Movement]) -> boo
     return any(m.range.start <= last and first < m.range.stop for m in movements)
 
 
-def _clearest(switch: int, span: FrameRange, frames: NDArray[np.int64], gain: NDArray[np.float64]) -> int:
+def _gaps(footage: Footage, camera: str, span: FrameRange) -> NDArray[np.float64]:
+    """For each frame of ``span`` 1 in a gap of ``camera``, else 0."""
+    return np.array([footage.has_gap(camera, frame) for frame in span], np.float64)
+
+
+def _clearest(
+    switch: int,
+    span: FrameRange,
+    frames: NDArray[np.int64],
+    gain: NDArray[np.float64],
+    lacks: NDArray[np.float64],
+) -> int:
     """The frame of ``span`` to switch at: most visible field in the camera before up to it, in the one after from it.
 
     ``gain``: (N,) how much more of the field the camera before shows at each of ``frames``, NaN without picture.
+    ``lacks``: for each frame of ``span`` 1 in a gap of the camera after, -1 in one of the camera before, else 0.
     """
     known = ~np.isnan(gain)
-    if known.sum() < 2:
+    if known.sum() < 2 and not lacks.any():
         return switch
     every = np.arange(span.start, span.stop)
-    staying = np.interp(every, frames[known], gain[known])
+    staying = np.interp(every, frames[known], gain[known]) if known.any() else np.zeros(len(every))
+    staying[lacks != 0] = lacks[lacks != 0] * _GAP
     worth = np.concatenate([[0.0], np.cumsum(staying)[:-1]])  # of staying with the camera before up to each frame
     best = every[worth >= worth.max() - 1e-9]
     return int(best[np.argmin(np.abs(best - switch))])  # of equals the one nearest to where the samples put it

@@ -119,6 +119,8 @@ def _greys(
                 own = part.begin_s + time
                 if own >= stop_s:
                     break
+                if frame is None:  # what is damaged does not move
+                    continue
                 grey = to_planes(frame, part.facts).y
                 yield own, cv2.resize(grey, SIZE, interpolation=cv2.INTER_AREA)  # pyright: ignore[reportReturnType]
 
