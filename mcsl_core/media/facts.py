@@ -67,6 +67,8 @@ class MediaFacts:
     decoding_order
         Whether its timestamps are in the order of decoding though pictures are shown in another (H.264 in AVI): then
         the n-th picture shown has the n-th smallest of them.
+    created
+        When it was made as its header says, often when it was closed; empty where it does not say.
     scan
         Which of its frames are interlaced.
     mirrored
@@ -101,6 +103,7 @@ class MediaFacts:
     timecode: str | None
     truncated: bool
     decoding_order: bool = False
+    created: str = ""
     scan: Scan = "unflagged"
     mirrored: bool = False
     colour: str = ""

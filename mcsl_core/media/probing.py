@@ -60,6 +60,7 @@ class _Header:
     audio_tracks: tuple[AudioTrack, ...]
     timecode: str | None
     decoding_order: bool
+    created: str
 
 
 @frozen(kw_only=True)
@@ -132,6 +133,7 @@ def probe(path: str | Path) -> MediaFacts:
         timecode=header.timecode,
         truncated=packets.truncated,
         decoding_order=header.decoding_order,
+        created=header.created,
         scan=scan_of(path, rate),
         mirrored=header.mirrored,
         colour=header.colour,
@@ -181,6 +183,7 @@ def _read_header(path: Path) -> _Header:
             audio_tracks=audio_tracks(container),
             timecode=timecode or container.metadata.get("timecode"),
             decoding_order=stream.codec_context.has_b_frames and _in_decoding_order(path),
+            created=container.metadata.get("creation_time", ""),
         )
 
 

@@ -17,7 +17,7 @@ from mcsl_core.progress import Progress
 from mcsl_core.timing import format_time
 
 from .contents import read_contents
-from .discovery import discover
+from .discovery import discover, look_like_parts
 from .footage import Footage
 from .joining import describe_joins, joined
 
@@ -65,14 +65,44 @@ def open_cameras(recording: Sequence[Path], base: Path, progress: Progress) -> t
         media = tuple(
             Media(relative_path(path, base), fact.frames, next(keys)) for path, fact in zip(files, known, strict=True)
         )
-        for note in describe_joins(name, joined(known)):
+        for note in _describe_files(name, known):
             progress.note(note)
         try:
             cameras.append(Camera(name, media, known[0].size, known[0].rate))
         except Fault as fault:
             remedy = "Leave it out, or convert it"
             raise InputError(f"cannot be taken: {fault}", where=f"camera {name}", remedy=remedy) from fault
+    for name, other in look_like_parts([camera.name for camera in cameras]):
+        progress.note(
+            f"{name} and {other} are taken for two cameras; if they are parts of one, put both into a folder {name}"
+        )
     return tuple(cameras)
+
+
+def _describe_files(name: str, files: Sequence[MediaFacts]) -> list[str]:
+    """What a person should know of a camera's files: which they are, in what order, and how they join."""
+    if len(files) == 1:
+        return []
+    notes = [f"{name}: {len(files)} files one after another, {', '.join(f.path.name for f in files)}"]
+    made = [f.created for f in files]
+    wrong = next((i for i in range(1, len(files)) if made[i - 1] and made[i] and made[i] < made[i - 1]), None)
+    if wrong is not None:
+        first, then = files[wrong - 1], files[wrong]
+        notes.append(
+            f"{name}: by its name {then.path.name} follows {first.path.name}, but it was made earlier ({then.created}, "
+            f"{first.created}); the names were followed"
+        )
+    order = sorted(files, key=lambda f: f.zero_s + f.start_s)
+    if order != list(files) and _go_on(order) and not _go_on(files):
+        names = ", ".join(f.path.name for f in order)
+        notes.append(f"{name}: by their clock the files follow each other as {names}; their names were followed")
+    return notes + describe_joins(name, joined(files))
+
+
+def _go_on(files: Sequence[MediaFacts]) -> bool:
+    """Whether each file's clock begins where that of the one before ends."""
+    pairs = zip(files, files[1:], strict=False)
+    return all(abs(b.zero_s + b.start_s - a.zero_s - a.end_s) <= 2 / a.rate for a, b in pairs)
 
 
 def relative_path(path: Path, base: Path) -> str:

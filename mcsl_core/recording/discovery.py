@@ -26,6 +26,11 @@ SUFFIXES = frozenset(
     }  # refused by name, not passed over
 )
 _PART = re.compile(r"(.+)[_-]\d{3}", re.DOTALL)  # four digits and more are names: GOPR_0001, a date
+# GoPro: GH010123 is chapter 1 of recording 0123; older ones wrote GOPR0123, then GP010123, GP020123.
+_GOPRO = re.compile(
+    r"G[HXLS](?P<chapter>\d{2})(?P<recording>\d{4})|GP(?P<later>\d{2})(?P<old>\d{4})|GOPR(?P<first>\d{4})", re.I
+)
+_NUMBERED = re.compile(r"(.+?)(?:[ _-]+\(?\d+\)?|\(\d+\))", re.DOTALL)  # cam1-2, cam1 (2), cam1(2); not cam12
 
 
 def discover(paths: Sequence[str | Path]) -> list[tuple[str, tuple[Path, ...]]]:
@@ -36,7 +41,8 @@ def discover(paths: Sequence[str | Path]) -> list[tuple[str, tuple[Path, ...]]]:
     paths
         Folders or video files. A folder has one camera for each video file in it, in natural order, named by the
         file's stem; files such as cam1_000.mp4, cam1_001.mp4 (one stem, then _ or - and three digits) are parts of one
-        camera. A folder in it that holds video files is one camera. Files handed in singly are cameras in that order.
+        camera, and so are the chapters of one GoPro recording (GH010123.MP4, GH020123.MP4).
+        A folder in it that holds video files is one camera. Files handed in singly are cameras in that order.
 
     Returns
     -------
@@ -63,11 +69,12 @@ def discover(paths: Sequence[str | Path]) -> list[tuple[str, tuple[Path, ...]]]:
             raise InputError("does not exist", where=str(path), remedy="Check the path")
     cameras += _grouped(loose)
     names = [name for name, _ in cameras]
-    twice = sorted({n for n in names if names.count(n) > 1})
+    folded = [name.casefold() for name in names]  # cam1 and CAM1 are one file's name on most machines
+    twice = sorted({n for n, f in zip(names, folded, strict=True) if folded.count(f) > 1})
     if twice:
         raise InputError(
             f"two cameras are named {twice[0]!r}",
-            where=", ".join(str(files[0]) for name, files in cameras if name == twice[0]),
+            where=", ".join(str(files[0]) for name, files in cameras if name.casefold() == twice[0].casefold()),
             remedy="Rename one of the files",
         )
     for _, files in cameras:
@@ -84,14 +91,14 @@ def _check(file: Path) -> None:
 
 
 def _in_folder(folder: Path, *, alone: bool) -> list[tuple[str, tuple[Path, ...]]]:
-    entries = sorted(folder.iterdir(), key=lambda p: _natural(p.name))
+    entries = sorted(folder.iterdir(), key=_in_order)
     files = [p for p in entries if _is_video(p)]
     if not alone and files:  # one of several folders on the command line is one camera, as a folder in a folder is
         return [(folder.name, tuple(files))]
     cameras = _grouped(files)
     for sub in entries:
         if sub.is_dir() and not sub.name.startswith("."):
-            inside = sorted((p for p in sub.iterdir() if _is_video(p)), key=lambda p: _natural(p.name))
+            inside = sorted((p for p in sub.iterdir() if _is_video(p)), key=_in_order)
             if inside:
                 cameras.append((sub.name, tuple(inside)))
     if not cameras:
@@ -107,14 +114,41 @@ def _grouped(files: Iterable[Path]) -> list[tuple[str, tuple[Path, ...]]]:
     """Files by camera, cameras in the order of their first file, parts in natural order."""
     groups: dict[tuple[Path, str], list[Path]] = {}
     for file in files:
-        match = _PART.fullmatch(file.stem)
-        groups.setdefault((file.parent, match[1] if match else file.name), []).append(file)
+        part, chapter = _PART.fullmatch(file.stem), _chapter(file.stem)
+        camera = chapter[0] if chapter else part[1] if part else file.name
+        groups.setdefault((file.parent, camera), []).append(file)
     cameras = []
     for (_, name), members in groups.items():
         # One numbered file by itself is not a part of anything and keeps its name.
         label = name if len(members) > 1 else members[0].stem
-        cameras.append((label, tuple(sorted(members, key=lambda p: _natural(p.stem)))))
+        cameras.append((label, tuple(sorted(members, key=_in_order))))
     return cameras
+
+
+def _chapter(stem: str) -> tuple[str, int] | None:
+    """(recording, chapter) of a GoPro file's name; None of another."""
+    match = _GOPRO.fullmatch(stem)
+    if match is None:
+        return None
+    if match["recording"]:
+        return f"{stem[:2].upper()}{match['recording']}", int(match["chapter"])
+    return f"GOPR{match['old'] or match['first']}", int(match["later"] or 0)
+
+
+def _in_order(path: Path) -> tuple[list[tuple[int, int, str]], int, str]:
+    """A sort key: cam2 before cam10, cam1 before cam1-2, a recording's chapters before the next recording."""
+    recording, chapter = _chapter(path.stem) or (path.stem, 0)
+    return _natural(recording), chapter, path.suffix
+
+
+def look_like_parts(names: Sequence[str]) -> list[tuple[str, str]]:
+    """(camera, further camera) where one's name is another's and a number, as cam1 and cam1-2: parts, or not."""
+    found = []
+    for name in names:
+        match = _NUMBERED.fullmatch(name)
+        if match and match[1] in names and match[1] != name:
+            found.append((match[1], name))
+    return found
 
 
 def _natural(text: str) -> list[tuple[int, int, str]]:
