@@ -15,6 +15,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable
+from pathlib import Path
 from types import FrameType
 from typing import Any
 
@@ -132,7 +133,17 @@ def _watch(hear: int) -> None:
     _end()
 
 
+def _unlink_half_written() -> None:
+    """Deletes the hidden files that this process is still writing to; where there is no /proc the next run does."""
+    for place in Path("/proc/self/fd").glob("*"):
+        with contextlib.suppress(OSError):
+            path = Path(os.readlink(place))
+            if path.name.startswith(".") and {".part", ".tmp"} & set(path.suffixes):
+                path.unlink()
+
+
 def _end() -> None:
+    _unlink_half_written()
     for name, ending in (("mcsl_core.blender.children", "end_all"), ("mcsl_core.temporary", "remove_own")):
         if (module := sys.modules.get(name)) is not None:
             with contextlib.suppress(Exception):

@@ -93,6 +93,15 @@ def test_children_and_those_of_sessions_of_their_own_end_with_it():
         assert is_gone(number)
 
 
+@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="no /proc here: the next run sweeps")
+def test_what_is_half_written_goes_with_it(tmp_path):
+    (tmp_path / "film.mp4").write_bytes(b"whole")
+    names = [".film.mp4.x1.part", ".mcsl-0-0-0.tmp.mp4", ".mcsl-0.tmp", "of somebody.tmp"]
+    opened = f"kept = [open(os.path.join({str(tmp_path)!r}, name), 'wb') for name in {names!r}]"
+    assert stopped(start(BEGUN, opened, DEAF), signal.SIGTERM) == (130, "mcsl: stopped\n")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["film.mp4", "of somebody.tmp"]
+
+
 def is_gone(process: int) -> bool:
     for _ in range(100):
         try:
@@ -139,7 +148,7 @@ def test_it_says_whether_it_would_carry_on(arguments, said):
 @pytest.mark.timeout(1800)
 def test_commands_stopped_at_random_leave_nothing_behind():
     """By hand with --times 20; docs/reliability.md has what came out."""
-    commands = ["look", "simulate", "analyse", "analyse --no-cache", "conform", "render direct"]
+    commands = ["look", "simulate", "analyse", "conform"]
     done = subprocess.run(
         [sys.executable, ROOT / "benchmarks" / "stops.py", "--times", "3", *commands],
         capture_output=True,
