@@ -15,6 +15,7 @@ _USUAL = sorted(
     | {Fraction(n * 1000, 1001) for n in (24, 30, 60, 120)}
 )
 _MOST_DECLARED = 1000  # frames a second; FFmpeg's guess from a millisecond clock is the clock's own rate
+_CLOSE = Fraction(1, 2000)  # 29.97 and 30 are twice as far apart
 _LONGEST_HOLE = 20  # slots: over longer ones the step is not known well enough to count them
 JUMP_S = 1  # a clock that goes back by more was set anew; reordering and rounding stay far below
 
@@ -47,9 +48,11 @@ def frame_rate(stamps: Sequence[int], tick: Fraction, declared: Fraction | None)
     grid = _grid_rate(steps, tick)
     if grid is not None:
         # Rounding to ticks at both ends leaves so much open: 2.3 s of 29.97 in milliseconds cannot tell 29.974.
-        if declared is not None and abs(declared - grid) <= grid * 2 * tick / span:
+        slack = 2 * tick / span
+        if declared is not None and abs(declared - grid) <= grid * slack:
             return nominal_rate(declared)
-        return nominal_rate(grid)
+        usual = min(_USUAL, key=lambda rate: abs(rate - grid))
+        return usual if abs(usual - grid) <= grid * min(slack, _CLOSE) else nominal_rate(grid)
     mean = len(steps) / span
     fastest = 1 / (float(np.quantile(steps, 0.1)) * float(tick))
     if declared is not None and mean / 2 <= declared <= 1.25 * fastest:

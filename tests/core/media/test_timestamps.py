@@ -5,12 +5,16 @@ from fractions import Fraction
 import av
 import numpy as np
 import pytest
-from coded_video import DATA, write_coded
+from coded_video import DATA, read_number, write_coded
 
+from mcsl_core.edl import Camera, Media
 from mcsl_core.errors import MediaError
 from mcsl_core.media import probing
 from mcsl_core.media.probing import probe
+from mcsl_core.media.reading import VideoReader
 from mcsl_core.media.timestamps import frame_rate, set_back
+from mcsl_core.recording.footage import Footage
+from mcsl_core.timing import FrameRange
 
 NTSC = Fraction(30000, 1001)
 MS = Fraction(1, 1000)
@@ -52,6 +56,35 @@ def test_what_timestamps_leave_open_the_headers_say():
     assert frame_rate([5, 5, 5], MS, None) == 25
     fast = [n * 2 for n in range(500)]  # 500 a second, really
     assert frame_rate(fast, MS, Fraction(500)) == 500
+
+
+def test_timestamps_that_come_twice_are_read(tmp_path):
+    """Of two pictures of one time the later is shown, and the rate is that of the times."""
+    film = write_coded(tmp_path / "a.mp4", range(60), bframes=0, rate=Fraction(60))
+    path = tmp_path / "twice.mkv"
+    with av.open(str(film)) as source, av.open(str(path), "w") as out:
+        copy = out.add_stream_from_template(source.streams.video[0])
+        for packet in source.demux(video=0):
+            if packet.dts is not None:
+                number = round(packet.pts * packet.time_base * 60)
+                packet.pts = packet.dts = round(Fraction(number // 2, 30) / packet.time_base)
+                packet.stream = copy
+                out.mux(packet)
+    facts = probe(path)
+    assert facts.rate == 30
+    camera = Camera("a", (Media(str(path), 60),), facts.size, facts.rate)
+    footage = Footage([camera], rate=facts.rate, frames=29, base=tmp_path)
+    assert [read_number(p.y) for p in footage.planes("a", FrameRange(0, 29)) if p] == list(range(1, 59, 2))
+
+
+def test_pictures_that_an_edit_list_leaves_out_are_left_out(tmp_path):
+    """Timestamps below 0: players and editors begin with the picture at 0."""
+    facts = probe(write_coded(tmp_path / "a.mp4", range(60), stamps=[n - 5 for n in range(60)]))
+    assert facts.start_s == 0
+    assert facts.duration_s == pytest.approx(55 / 30, abs=1e-3)
+    for begin in (0, 11):
+        time, frame = next(VideoReader(facts).read(Fraction(begin, 30)))
+        assert (time, read_number(frame.to_ndarray(format="gray"))) == (Fraction(begin, 30), begin + 5)
 
 
 def test_a_file_of_one_picture_is_read(tmp_path):
