@@ -70,6 +70,17 @@ def test_sound_that_leads_in_every_part_adds_nothing_up(tmp_path, suffix, anew):
     assert sorted({n for n in numbers(parts, 200) if n is not None}) == list(range(160))
 
 
+def test_a_clock_that_jumps_ahead_inside_a_file_leaves_a_gap(tmp_path):
+    film = write_coded(tmp_path / "a.mp4", range(90), bframes=0)
+    pieces = [remux(film, tmp_path / f"{later}.ts", later_s=later) for later in (2, 25)]
+    spliced = tmp_path / "spliced.ts"
+    spliced.write_bytes(b"".join(piece.read_bytes() for piece in pieces))
+    got = numbers([spliced], 785)
+    assert got[:85] == list(range(85))  # the last of a stream wait in the decoder when it is cut off
+    assert set(got[100:690]) == {None}
+    assert got[691:780] == list(range(1, 90))
+
+
 def test_clocks_that_begin_anew_still_follow_each_other(tmp_path):
     for rate in (RATE, Fraction(25)):
         paths = [write_coded(tmp_path / f"a_{k}.ts", range(k * 30, k * 30 + 30), rate=rate) for k in range(3)]
