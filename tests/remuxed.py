@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import av
 
@@ -34,7 +35,7 @@ def split(
 def _keyframes(film: Path) -> list[tuple[Fraction, Fraction]]:
     """(presentation, decoding time) of each keyframe."""
     with av.open(str(film)) as source:
-        packets = [p for p in source.demux(video=0) if p.dts is not None and p.is_keyframe]
+        packets: list[Any] = [p for p in source.demux(video=0) if p.dts is not None and p.is_keyframe]
         return [(p.pts * p.time_base, p.dts * p.time_base) for p in packets]
 
 
@@ -55,7 +56,7 @@ def remux(
     with av.open(str(film)) as source, av.open(str(path), "w") as out:
         streams = [*source.streams.video, *source.streams.audio]
         copies = {s.index: out.add_stream_from_template(s) for s in streams}
-        packets = [p for p in source.demux(streams) if p.dts is not None]
+        packets: list[Any] = [p for p in source.demux(streams) if p.dts is not None]
         for packet in sorted(packets, key=lambda p: p.dts * p.time_base):
             later = round(Fraction(sound_later_s) / packet.time_base) if packet.stream.type == "audio" else 0
             time = (packet.dts + later) * packet.time_base
