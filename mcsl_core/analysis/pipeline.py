@@ -59,7 +59,7 @@ def analyse(
     cameras, frames = footage.cameras, footage.frames
     sizes = {camera.name: camera.size for camera in cameras}
     shown = Shown(float(rate), frames, reference.size, sizes)
-    gaze = [read_gaze(path, shown) for path in settings.gaze]
+    gaze = _read_gaze(settings.gaze, shown, progress)
     keys = stage_keys(cameras, reference.name, rate, frames, settings, chosen)
     watch = Watch(float(frames / rate), progress.note)
     by = {stage: attrs.evolve(offer, watch=watch).checked for stage, offer in chosen.items()}
@@ -160,10 +160,17 @@ def _samples(footage: Footage, cache: StageCache, key: str, step_s: float, progr
             yield samples
 
 
+def _read_gaze(paths: Sequence[Path], shown: Shown, progress: Progress) -> list[GazeFile]:
+    """The files of gaze; how many looks of how many are used is told of each."""
+    files = []
+    for path in paths:
+        files.append(read_gaze(path, shown))
+        progress.note(f"{path}: {files[-1]}")
+    return files
+
+
 def _gazed_at(files: Sequence[GazeFile], made: edl.Edl, progress: Progress) -> list[FieldPosition]:
-    """What viewers looked at; how many of their looks that rests on is told of each file."""
-    for file in files:
-        progress.note(f"{file.path}: {file}")
+    """What viewers looked at."""
     looks = [look for file in files for look in file.looks]
     if unplaced := looks_unplaced(looks, made):
         progress.note(f"{unplaced} of {len(looks)} looks are at cameras whose place in the programme is not known then")

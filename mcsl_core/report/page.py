@@ -80,7 +80,7 @@ def write_report(
         evaluation, no_figures = _evaluated(edl, base, progress)
     steady = None if evaluation is None else steady_facts(evaluation)
     text = page(edl, edl_path.name, measured, pictures, steady, Lacking(no_scores, no_pictures, no_figures))
-    write_atomic(out, text.encode())
+    write_atomic(out, text.encode("utf-8", "backslashreplace"))  # names of files need not be text
 
 
 def _measured(edl: Edl, base: Path, progress: Progress) -> tuple[Measurements | None, str]:

@@ -158,3 +158,12 @@ def test_a_wrong_option_is_named(
     edls.save(small_edl(), "good.json")
     assert main(call) == 2
     assert told in capsys.readouterr().err
+
+
+def test_a_camera_whose_file_name_is_no_text_comes_into_the_report(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = json.dumps(edls.to_json(small_edl())).replace("cam1", "cam\\udcff")
+    (tmp_path / "e.json").write_text(text, "utf-8")
+    assert main(["report", str(tmp_path / "e.json"), "-o", str(tmp_path / "r.html")]) == 0, capsys.readouterr().err
+    assert "cam\\udcff" in (tmp_path / "r.html").read_text("utf-8")
