@@ -3,16 +3,22 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
+import bpy  # pyright: ignore[reportMissingImports]
+
 from mcsl_core.edl import Edl
+from mcsl_core.errors import McslError
 
 from ..core import times
+from ..core.outside import remark_on
 from ..core.read_overrides import SequencerState
 from ..core.strip_plan import FIRST_CAMERA_CHANNEL
 from .compat import ends
-from .scene_properties import CAMERA, placed_of, role_of
+from .scene_properties import CAMERA, edl_path, placed_of, role_of
 from .touched import Work
 
 _SEEN = ("mute", "name", "color_tag", "effect strip", "lock")  # changes no picture
@@ -30,7 +36,30 @@ def notices(scene: Any, edl: Edl, state: SequencerState) -> tuple[str, ...]:
     state
         The timeline as read.
     """
-    return (*state.notes, *times.remarks(edl, state.scene, state.films), *_of_strips(scene, edl))
+    said = (*state.notes, *times.remarks(edl, state.scene, state.films), *_of_strips(scene, edl))
+    return (*said, *_of_files(scene, edl))
+
+
+def _of_files(scene: Any, edl: Edl) -> Iterator[str]:
+    """The editor's own files and linked libraries that are missing, or not the project's."""
+    folder = Path(bpy.data.filepath).parent
+    try:
+        base = edl_path(scene, Path(bpy.data.filepath)).parent
+    except McslError:
+        base = folder
+    homes = {folder, base, *((base / media.path).parent for camera in edl.cameras for media in camera.media)}
+    found = [(f"library {library.name!r}", library.filepath) for library in bpy.data.libraries]
+    for strip in scene.sequence_editor.strips_all:
+        what = f"strip {strip.name!r}, frame {ends(strip)[0] + 1},"
+        if strip.type == "MOVIE" and not role_of(strip):
+            found.append((what, strip.filepath))
+        elif strip.type == "SOUND" and not role_of(strip) and strip.sound is not None and not strip.sound.packed_file:
+            found.append((what, strip.sound.filepath))
+        elif strip.type == "IMAGE" and strip.elements:
+            found.append((what, os.path.join(strip.directory, strip.elements[0].filename)))
+    for what, path in found:
+        if text := remark_on(what, bpy.path.abspath(path), homes):
+            yield text
 
 
 def _of_strips(scene: Any, edl: Edl) -> Iterator[str]:
@@ -44,9 +73,9 @@ def _of_strips(scene: Any, edl: Edl) -> Iterator[str]:
         where = f"strip {strip.name!r}, frame {ends(strip)[0] + 1}"
         if strip.type == "MULTICAM" and (done := [what for what in work.on(strip) if what not in _SEEN]):
             if strip.mute:
-                yield f"{where} is muted and decides nothing: its {done[0]} goes when the timeline is made anew"
+                yield f"{where} is muted and decides nothing: your work on it ({done[0]}) goes when the timeline is made anew"
             elif any(a < ends(strip)[1] and ends(strip)[0] < b for a, b in exact):
-                yield f"{where}: its {done[0]} is hidden by the exact pictures above it; put it on those, or above them"
+                yield f"{where}: your work on it ({done[0]}) is hidden by the exact pictures; do it on those, or above"
         placed = placed_of(strip) if role_of(strip) in ("camera", "conformed") else None
         if placed is not None and not strip.filepath.replace("\\", "/").endswith(placed[1]):
             yield f"{where} shows {strip.filepath}, not {placed[1]} as it was built"

@@ -19,10 +19,10 @@ from mcsl_core.timing import FrameRange
 
 from ..core.carry_over import Place, expected_start, is_ours, parts_of, ranges_of, silent_now, sound_places
 from ..core.stale import without
-from ..core.strip_plan import AUDIO_CHANNEL, StripPlan
+from ..core.strip_plan import AUDIO_CHANNEL, StripPlan, automatic_from_text
 from .compat import content_start, ends, set_content_start, set_ends
 from .edit import check_there, parked, remove, split_at, split_strip
-from .scene_properties import MARK, SOUND_LAID, note_placed, placed_of, role_of
+from .scene_properties import AUTOMATIC_CAMERA, MARK, SOUND_LAID, note_placed, placed_of, role_of
 from .touched import Work
 
 
@@ -118,8 +118,16 @@ def _is_as_laid(scene: Any, ours: list[Any], laid: tuple[FrameRange, ...], plan:
     covered = ranges_of(ends(strip) for strip in ours)
     if SOUND_LAID in scene:
         return covered == laid
-    # A timeline that does not say where sound was laid: whole, or not at all where the recording has none.
-    return len(covered) == 1 and covered[0].start <= max(0, plan.sound[0].start) if covered else False
+    # A timeline that does not say where sound was laid: what is not whole may have been cut off.
+    return len(covered) == 1 and covered[0].start <= max(0, plan.sound[0].start) and covered[0].stop >= _length(scene)
+
+
+def _length(scene: Any) -> int:
+    """The frames of the programme that the timeline shows; what is longer than any where it does not say."""
+    try:
+        return automatic_from_text(scene.get(AUTOMATIC_CAMERA, ""))[-1][0].stop
+    except (ValueError, TypeError, IndexError):
+        return 1 << 31
 
 
 def slip_of(strip: Any, plan: StripPlan) -> int:
@@ -168,6 +176,7 @@ def _link(scene: Any, strip: Any, path: Path, start: int, slip: int) -> bool:
     if sound.samplerate == 0:
         return False
     span = ends(strip)
+    sound.use_mono = sound.use_mono or strip.sound.use_mono
     with parked(scene, strip):
         strip.sound = sound
         for other in scene.sequence_editor.strips_all:

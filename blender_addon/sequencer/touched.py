@@ -53,6 +53,8 @@ class Work:
             yield f"keys of {', '.join(sorted(paths))}"
         if getattr(strip, "retiming_keys", ()):
             yield "retiming"
+        if strip.type == "SOUND" and strip.sound is not None and strip.sound.use_mono:
+            yield "mono"
         if getattr(strip, "modifiers", ()):
             yield "modifiers"
         yield from (key for key in strip.keys() if not _OURS.fullmatch(key))  # noqa: SIM118 - a strip is no mapping

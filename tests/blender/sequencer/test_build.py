@@ -117,6 +117,7 @@ def test_media_and_cameras_that_are_missing_are_named(project, blender):
 
 
 def test_a_playlist_in_a_cameras_place_is_not_opened(project, blender):
+    (project / "cam3.mp4").unlink()  # a link to the recording that all tests share
     (project / "cam3.mp4").write_text("ffconcat version 1.0\nfile cam2.mp4\n")
     with pytest.raises(InputError, match=r"cam3\.mp4: is a list of files \(ffconcat\)"):
         build_timeline(project / "edl.json", project / "edit.blend", blender=blender)

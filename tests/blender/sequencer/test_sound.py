@@ -63,6 +63,7 @@ def delivered(built, blender, code="", progress=None, sound="0a1b") -> np.ndarra
     return levels(mixed)
 
 
+FORGET = 'scene.pop("mcsl_sound"); [s.pop("mcsl_placed", None) for s in strips]'
 SOUND = 'sound = sorted((s for s in scene.sequence_editor.strips_all if s.get("mcsl") == "sound"), key=span)\n'
 LISTING = SOUND + "out = [[*span(s), s.channel, s.mute, round(s.volume, 3)] for s in sound]"
 NAME_MUTED = (
@@ -188,6 +189,12 @@ def test_an_older_timelines_pieces_stay_as_they_are(built, blender):
         built, blender, NAME_MUTED + 'scene.pop("mcsl_sound"); [s.pop("mcsl_placed", None) for s in strips]'
     )
     assert set(range(13, 23)) <= set(quiet(level)) <= set(range(12, 24))
+
+
+def test_an_older_timelines_end_that_was_cut_off_stays_off(built, blender):
+    code = SOUND + 'strips.remove(sound[1].split(frame=50 + 1, split_method="SOFT"))\n' + FORGET
+    level = delivered(built, blender, code)
+    assert set(range(51, FRAMES)) <= set(quiet(level)) <= set(range(49, FRAMES))
 
 
 def test_a_retimed_strip_is_silent_rather_than_wrong(built, blender):
