@@ -73,7 +73,7 @@ def _of_strips(scene: Any, edl: Edl) -> Iterator[str]:
         where = f"strip {strip.name!r}, frame {ends(strip)[0] + 1}"
         if strip.type == "MULTICAM" and (done := [what for what in work.on(strip) if what not in _SEEN]):
             if strip.mute:
-                yield f"{where} is muted and decides nothing: your work on it ({done[0]}) goes when the timeline is made anew"
+                yield f"{where} is muted and decides nothing: your work on it ({done[0]}) goes with the next rebuild"
             elif any(a < ends(strip)[1] and ends(strip)[0] < b for a, b in exact):
                 yield f"{where}: your work on it ({done[0]}) is hidden by the exact pictures; do it on those, or above"
         placed = placed_of(strip) if role_of(strip) in ("camera", "conformed") else None
