@@ -12,6 +12,7 @@ from mcsl_core.errors import BlenderError
 from mcsl_core.timing import FrameRange
 
 from ..core.carry_over import Place, uncovered
+from ..core.mirrored import is_mirrored
 from ..core.strip_plan import AUDIO_CHANNEL, CameraTrack, ProgrammeStrip, StripPlan, automatic_to_text, tracks_key
 from .centering_keys import set_centering_keys
 from .compat import ends, new_effect
@@ -87,6 +88,11 @@ def build_camera(scene: Any, track: CameraTrack, base: Path, kept: Sequence[tupl
         start, stop = ends(strip)
         if stop - start != file.frames:
             notes.append(f"{track.camera}: {file.path} has {file.frames} frames, Blender counts {stop - start}")
+        if is_mirrored(base / file.path):
+            notes.append(
+                f"{track.camera}: {file.path} is mirrored for display, which Blender does not obey: its preview "
+                "shows it the wrong way round, conformed pictures are right"
+            )
         pieces = [(span, piece) for span, piece in pieces if span.start < stop]
         for part, (_, piece) in zip(cut_out(scene, strip, [span for span, _ in pieces]), pieces, strict=True):
             set_transform(part, piece.transform)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 
 import attrs
+import av
 import pytest
 from blender_recording import FRAMES, LIGHT, R, an_edl, in_blender
 
@@ -16,6 +17,7 @@ from mcsl_core.delivery.presets import load_preset
 from mcsl_core.edl import IDENTITY, Override
 from mcsl_core.edl.edits import rebased
 from mcsl_core.errors import BlenderError, InputError, UsageError
+from mcsl_core.progress import Silent
 
 pytestmark = pytest.mark.both_blenders
 
@@ -200,3 +202,31 @@ def test_a_reference_without_sound_makes_a_silent_timeline(project, blender):
     build_timeline(project / "edl.json", project / "edit.blend", blender=blender)
     code = "out = [[s.name for s in strips if s.type == 'SOUND'], scene.render.ffmpeg.audio_codec]"
     assert in_blender(blender, project / "edit.blend", code, save=False) == [[], "NONE"]
+
+
+def test_a_mirrored_camera_file_is_told(project, blender):
+    camera = project / "cam2.mp4"
+    camera.rename(project / "upright.mp4")
+    with av.open(str(project / "upright.mp4")) as film, av.open(str(camera), "w") as turned:
+        copy = turned.add_stream_from_template(film.streams.video[0])
+        copy.set_display_rotation(0, hflip=True)
+        for packet in film.demux(video=0):
+            if packet.dts is not None:
+                packet.stream = copy
+                turned.mux(packet)
+    progress = Notes()
+    build_timeline(project / "edl.json", project / "edit.blend", blender=blender, progress=progress)
+    told = [note for note in progress.notes if "mirrored for display" in note]
+    assert len(told) == 1
+    assert told[0].startswith("cam2: cam2.mp4")
+
+
+class Notes(Silent):
+    """Keeps what is told."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.notes: list[str] = []
+
+    def note(self, text: str) -> None:
+        self.notes.append(text)

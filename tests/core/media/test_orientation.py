@@ -1,13 +1,12 @@
 """Display matrices obeyed as players obey them: eight orientations, against the numbers of the matrix."""
 
 from fractions import Fraction
-from itertools import product
 
 import av
-import cv2
 import numpy as np
 import pytest
 from coded_video import DATA
+from turned_video import ON_ITS_SIDE, ONE, SIZE, UPRIGHT, marked_picture, write_turned
 
 from mcsl_core.imaging.planes import planes_to_bgr
 from mcsl_core.media.frames import to_planes
@@ -15,32 +14,6 @@ from mcsl_core.media.probing import probe
 from mcsl_core.media.reading import VideoReader
 
 HFLIP = DATA / "faults" / "mirrored" / "hflip.mp4"
-SIZE = (320, 180)
-
-
-def marked_picture(colour_corner=(0, 0, 220)) -> np.ndarray:
-    """Letters that cannot be mistaken for their mirror image, and one coloured corner."""
-    picture = np.full((SIZE[1], SIZE[0], 3), 90, np.uint8)
-    cv2.putText(picture, "FRG", (70, 120), cv2.FONT_HERSHEY_SIMPLEX, 3, (230, 230, 230), 9, cv2.LINE_AA)
-    picture[:40, :60] = colour_corner
-    return cv2.GaussianBlur(picture, (0, 0), 1.5)
-
-
-def write_turned(path, matrix=None):
-    """A film of the marked picture under a display matrix, FFmpeg's nine numbers."""
-    with av.open(str(path), "w") as container:
-        stream = container.add_stream("libx264", rate=25, options={"crf": "8"})
-        stream.width, stream.height, stream.pix_fmt = *SIZE, "yuv420p"
-        stream.codec_context.colorspace = stream.codec_context.color_range = 1
-        if matrix is not None:
-            stream.set_display_matrix(matrix)
-        for k in range(5):
-            frame = av.VideoFrame.from_ndarray(marked_picture(), format="bgr24")
-            frame = frame.reformat(format="yuv420p", dst_colorspace="ITU709")
-            frame.pts = k
-            container.mux(stream.encode(frame))
-        container.mux(stream.encode(None))
-    return path
 
 
 def shown_by(matrix) -> np.ndarray:
@@ -52,11 +25,6 @@ def shown_by(matrix) -> np.ndarray:
     picture = np.zeros((y.max() + 1, x.max() + 1, 3), np.uint8)
     picture[y, x] = marked_picture()
     return picture
-
-
-ONE = 1 << 16
-UPRIGHT = [(a * ONE, 0, 0, 0, d * ONE, 0, 0, 0, 1 << 30) for a, d in product((1, -1), repeat=2)]
-ON_ITS_SIDE = [(0, b * ONE, 0, c * ONE, 0, 0, 0, 0, 1 << 30) for b, c in product((1, -1), repeat=2)]
 
 
 @pytest.mark.parametrize(

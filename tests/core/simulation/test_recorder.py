@@ -90,8 +90,8 @@ def test_analysed_and_conformed_it_is_as_the_plain_one(recordings, kind, tmp_pat
         folder = recordings(name, LARGER)
         edl_path = tmp_path / name / "edl.json"
         edl_path.parent.mkdir()
-        run("analyse", folder, "-o", edl_path, "--rate", "25", "--quiet")
-        run("conform", edl_path, "--quiet")
+        run("analyse", folder, "-o", edl_path, "--rate", "25")
+        run("conform", edl_path)
         edl, truth = edls.load(edl_path), load_truth(folder)
         offsets = [c.clock.offset_s - t.offset_s for c, t in zip(edl.cameras, truth.clocks, strict=True)]
         errors = [
