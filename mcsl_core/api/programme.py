@@ -236,10 +236,6 @@ class Programme:
         ------
         MediaError
             Where the camera has no picture then: it started late, ended early, or has a gap.
-
-        Examples
-        --------
-        >>> plt.imshow(p.camera_frame("cam3", 900, aligned=True))
         """
         return (self._views.aligned_frame if aligned else self._views.camera_frame)(camera, frame)
 
@@ -362,14 +358,18 @@ class Programme:
     ) -> BuiltTimeline:
         """Builds the Blender timeline ``out`` (.blend) of the saved EDL; see `blender.timeline.build_timeline`."""
         self._check_saved()
-        how: dict[str, Any] = {"blender": blenders.find(blender), "preset": preset}
-        how["conformed"] = None if conformed is None else Path(conformed)
+        folder = None if conformed is None else Path(conformed)
+        how: dict[str, Any] = {"blender": blenders.find(blender), "preset": preset, "conformed": folder}
         return build_timeline(self.path, Path(out), **how, progress=progress)
 
-    def report(self, out: str | Path, *, figures: str | Path | None = None, progress: Progress | None = None) -> Path:
-        """Writes the page (.html) about the saved EDL. figures: from `mcsl evaluate --json`, else measured quickly."""
+    def report(
+        self, out: str | Path, *, figures: str | Path | None = None, progress: Progress | None = None, **how: bool
+    ) -> Path:
+        """Writes the page (.html) about the saved EDL. figures: from `mcsl evaluate --json`, else measured quickly.
+
+        how: ``anonymous``, without names, and ``with_pictures``, as `report.page.write_report` takes them."""
         self._check_saved()
-        write_report(self.path, Path(out), figures_path=None if figures is None else Path(figures), progress=progress)
+        write_report(self.path, Path(out), figures_path=Path(figures) if figures else None, progress=progress, **how)
         return Path(out)
 
     # --------------------------------------------------------------------------------------------------- within

@@ -20,6 +20,7 @@ from mcsl_core.evaluation.results import Evaluation, load_evaluation
 from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.progress import Progress, Silent
 
+from .anonymous import FILE, fileless, nameless, untold
 from .charts import Bar, short_time
 from .facts import colour_bar, gather
 from .pictures import PosePictures, pose_pictures
@@ -49,7 +50,13 @@ class Lacking:
 
 
 def write_report(
-    edl_path: Path, out: Path, *, figures_path: Path | None = None, progress: Progress | None = None
+    edl_path: Path,
+    out: Path,
+    *,
+    figures_path: Path | None = None,
+    anonymous: bool = False,
+    with_pictures: bool = True,
+    progress: Progress | None = None,
 ) -> None:
     """Write the page about an EDL.
 
@@ -61,6 +68,10 @@ def write_report(
         The page, HTML.
     figures_path : Path, optional
         What `mcsl evaluate --json` wrote; without it the steadiness is measured at up to `QUICK_SWITCHES` switches.
+    anonymous : bool
+        Without names of cameras, files and folders, without remarks and plugins; pictures show what they show.
+    with_pictures : bool
+        Whether pictures are taken.
     progress : Progress, optional
         Where it is told how far it has come.
 
@@ -74,12 +85,20 @@ def write_report(
     base = edl_path.parent
     evaluation = None if figures_path is None else load_evaluation(figures_path)
     measured, no_scores = _measured(edl, base, progress)
-    pictures, no_pictures = _pictures(edl, base, None if measured is None else measured.scores, progress)
+    if anonymous:
+        edl, measured = nameless(edl, measured)
+    pictures: list[PosePictures | None] = [None] * len(edl.poses)
+    no_pictures = "The pictures were left out."
+    if with_pictures:
+        pictures, no_pictures = _pictures(edl, base, None if measured is None else measured.scores, progress)
     no_figures = ""
     if evaluation is None:
         evaluation, no_figures = _evaluated(edl, base, progress)
     steady = None if evaluation is None else steady_facts(evaluation)
-    text = page(edl, edl_path.name, measured, pictures, steady, Lacking(no_scores, no_pictures, no_figures))
+    name, lacking = edl_path.name, Lacking(no_scores, no_pictures, no_figures)
+    if anonymous:
+        edl, name, lacking = fileless(edl), FILE, Lacking(untold(no_scores), untold(no_pictures), untold(no_figures))
+    text = page(edl, name, measured, pictures, steady, lacking)
     write_atomic(out, text.encode("utf-8", "backslashreplace"))  # names of files need not be text
 
 

@@ -15,13 +15,19 @@ from mcsl_core.cli.output import Session
 @click.argument("edl", type=PATH)
 @click.option("-o", "--out", type=PATH, required=True, help="The page (.html).")
 @click.option("--figures", type=PATH, help="From mcsl evaluate --json (default: measured at the switches).")
+@click.option(
+    "--anonymous", is_flag=True, help="No names of cameras, files, folders, no remarks; pictures show what they show."
+)
+@click.option("--no-pictures", is_flag=True, help="Leave the pictures out.")
 @allow_outside
 @click.pass_obj
-def report(session: Session, edl: Path, out: Path, figures: Path | None) -> None:
+def report(session: Session, edl: Path, out: Path, figures: Path | None, anonymous: bool, no_pictures: bool) -> None:
     """Write a page about EDL that is read in a minute.
 
     Cameras, shots, movements, alignment, clocks and steadiness; self-contained, for any browser.
     """
     with session.progress() as progress:
-        mcsl.open(edl).report(out, figures=figures, progress=progress)
+        mcsl.open(edl).report(
+            out, figures=figures, anonymous=anonymous, with_pictures=not no_pictures, progress=progress
+        )
     session.result({"report": str(out)}, f"{out}: {out.stat().st_size / 1e6:.1f} MB, open it in a browser")
