@@ -23,10 +23,14 @@ READ = """
 import sys
 from fractions import Fraction
 from pathlib import Path
+from mcsl_core.errors import MediaError
 from mcsl_core.media.audio import read_audio
 from mcsl_core.media.probing import probe
 for name in sys.argv[1:]:
-    facts = probe(Path(name))
+    try:
+        facts = probe(Path(name))
+    except MediaError:  # told, not a crash
+        continue
     for track in facts.audio_tracks:
         if track.can_be_decoded:
             blocks = [samples for _, samples in read_audio(facts, track, Fraction(0), 48000)]
