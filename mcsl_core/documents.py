@@ -10,7 +10,7 @@ import json
 import math
 import os
 import re
-import secrets
+import stat
 import sys
 import tomllib
 from collections.abc import Iterable, Mapping
@@ -33,6 +33,7 @@ from cattrs.gen import make_dict_structure_fn, make_dict_unstructure_fn, overrid
 from mcsl_core.errors import DocumentError, Fault, InputError, McslError
 from mcsl_core.input_files import check_target, read_text
 from mcsl_core.json_text import parse_json, shallow
+from mcsl_core.temporary import open_private, temporary_beside
 from mcsl_core.timing import FrameRange, format_rate, parse_rate
 
 T = TypeVar("T")
@@ -332,23 +333,27 @@ def _render(value: Any, indent: str) -> str:
     return "{\n" + ",\n".join(parts) + "\n" + indent + "}"
 
 
-def write_atomic(path: Path, data: bytes) -> None:
+def write_atomic(path: Path, data: bytes, *, private: bool = False) -> None:
     """Writes beside ``path`` and renames: a reader sees the old file or the whole new one, never a part.
 
     What lies there and is no regular file is refused: a rename would put a file in the place of a device or a pipe.
+    private: for its owner's eyes alone. Else a new file obeys the umask, and one that was there keeps its permissions.
     """
     target = Path(os.path.realpath(path))  # a link keeps pointing at what it names
     check_target(target, path)
-    temporary = target.with_name(f".mcsl-{secrets.token_hex(8)}.tmp")
+    temporary = temporary_beside(target)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        stream = temporary.open("xb")
+        mode = stat.S_IMODE(target.stat().st_mode) if target.exists() and not private else None
+        stream = open_private(temporary, "xb") if private else temporary.open("xb")
     except OSError as error:
         raise InputError(
             f"cannot be written ({error.strerror})", where=str(path), remedy="Choose a folder you may write to"
         ) from error
     try:
         with stream:
+            if mode is not None:
+                temporary.chmod(mode)
             stream.write(data)
             stream.flush()
             os.fsync(stream.fileno())

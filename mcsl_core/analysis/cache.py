@@ -29,6 +29,7 @@ from mcsl_core.movement.protocol import Curve, Detection
 from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.progress import Progress
 from mcsl_core.recording.damage import DamageOf
+from mcsl_core.temporary import private_folder
 
 T = TypeVar("T")
 Arrays = Mapping[str, NDArray]
@@ -89,7 +90,8 @@ class StageCache:
         result = call(step, *given, **named)
         stream = io.BytesIO()
         np.savez_compressed(stream, **stage.pack(result))  # pyright: ignore[reportArgumentType]
-        write_atomic(path, stream.getvalue())
+        private_folder(self.folder)
+        write_atomic(path, stream.getvalue(), private=True)
         self.prune(stage.name, KEPT)
         return result
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from fractions import Fraction
@@ -32,26 +31,46 @@ from mcsl_core.recording.sample_store import SampleStore
 from mcsl_core.selection.gaps import without_gaps
 from mcsl_core.selection.switch_refinement import refine_switches, with_switches_at
 from mcsl_core.sync.synchronise import synchronise
+from mcsl_core.temporary import temporary_folder
 
 from .cache import CLOCKS, CUTS, DAMAGE, MOVEMENTS, POSES, SCORES, Deferred, StageCache
 from .measurements import Measurements
+from .place import EdlPlace, cache_folder
 from .settings import AnalysisSettings
 from .stage_keys import clocks_key, damage_key, stage_keys
 
 
 def analyse(
-    recording: Sequence[Path], out: Path, *, settings: AnalysisSettings, plugins: Plugins, progress: Progress
+    recording: Sequence[Path],
+    out: Path,
+    *,
+    settings: AnalysisSettings,
+    plugins: Plugins,
+    force: bool = False,
+    progress: Progress,
 ) -> edl.Edl:
     """Analyses ``recording`` (a folder, or camera files in order), writes the EDL to ``out`` and returns it.
 
-    An EDL that lies there already keeps its overrides and look. Raises InputError where a file is refused, and
-    Cancelled with nothing written.
+    An EDL that lies there already keeps its overrides, corrections and look, those as well that are written while the
+    analysis is at work. Anything else that lies there is replaced where ``force`` says so; the recording never. Raises
+    InputError where a file is refused or another analysis is at work on ``out``, and Cancelled with nothing written.
     """
     chosen = _chosen(settings, plugins)
-    before = edl.read(out) if out.exists() else None
+    place = EdlPlace.claimed(out, recording, settings.gaze, force=force)
+    with place.held():
+        return _analysed(recording, place, settings, chosen, progress)
+
+
+def _analysed(
+    recording: Sequence[Path],
+    place: EdlPlace,
+    settings: AnalysisSettings,
+    chosen: Mapping[str, Offer],
+    progress: Progress,
+) -> edl.Edl:
+    out = place.path
     cameras = open_cameras(recording, out.parent, progress)
     reference = choose_reference(cameras, settings.reference)
-    out.parent.mkdir(parents=True, exist_ok=True)  # media paths lead through it
     rate = settings.rate or reference.rate
     cache = StageCache(cache_folder(out) if settings.cache else None, progress)
     footage = _on_one_clock(cameras, reference.name, out.parent, rate, settings, cache, progress)
@@ -86,14 +105,15 @@ def analyse(
         movements=movements,
         poses=tuple(pose.pose for pose in solved),
         shots=with_switches_at(shots, cuts),
-        scores=f"{out.stem}.scores.npz",
+        scores=place.scores.name,
         made_by=_made_by(settings, chosen, gaze),
     )
-    made = made if before is None else carry_over(before, made)
-    positions = _gazed_at(gaze, made, progress) if gaze else field_positions(solved, made.size)
-    made = attrs.evolve(made, centering=by["centerer"].centre(positions, size=made.size, rate=float(rate)))
-    Measurements(table, detection.curve).save(out.with_name(f"{out.stem}.scores.npz"))
-    edl.save(made, out)
+    with place.changing() as there:
+        made = made if there is None else carry_over(there, made)
+        positions = _gazed_at(gaze, made, progress) if gaze else field_positions(solved, made.size)
+        made = attrs.evolve(made, centering=by["centerer"].centre(positions, size=made.size, rate=float(rate)))
+        Measurements(table, detection.curve).save(place.scores)
+        edl.save(made, out)
     if not edl.remember(made, out):
         progress.note("that this EDL was made here cannot be remembered: other commands will want --allow-outside")
     return made
@@ -106,11 +126,6 @@ def _with_gaps(footage: Footage, cache: StageCache, progress: Progress) -> Foota
     if cameras == footage.cameras:
         return footage
     return Footage(cameras, rate=footage.rate, frames=footage.frames, base=footage.base)
-
-
-def cache_folder(out: Path) -> Path:
-    """Where the results of the stages lie: beside the EDL ``out``. It may be deleted at any time."""
-    return out.with_name(f"{out.stem}.cache")
 
 
 def _on_one_clock(
@@ -149,11 +164,8 @@ def _samples(footage: Footage, cache: StageCache, key: str, step_s: float, progr
         with closing(found):
             yield found
         return
-    with tempfile.TemporaryDirectory(prefix="mcsl-samples-") as folder:
-        if store is None:
-            store = Path(folder) / "samples"
-        else:
-            store.parent.mkdir(parents=True, exist_ok=True)
+    with temporary_folder("samples") as folder:
+        store = store or folder / "samples"
         with closing(SampleStore.record(footage, store, progress, step_s=step_s)) as samples:
             tell_of_damage(footage, progress)
             cache.prune("samples", kept=2)  # the pictures and their contents; some 20 MB a minute

@@ -26,10 +26,11 @@ def analyse(
     reference: str | None = None,
     settings: AnalysisSettings | None = None,
     plugins: Plugins | None = None,
+    force: bool = False,
     progress: Progress | None = None,
     **stages: str,
 ) -> Programme:
-    """Decides everything: a recording becomes an EDL, which is written to ``edl_path``.
+    """Decides everything: a recording becomes an EDL, written to ``edl_path``; stages' results are kept beside it.
 
     Parameters
     ----------
@@ -43,6 +44,8 @@ def analyse(
         Rate, sync, gaze and the like; the defaults without.
     plugins : Plugins, optional
         What is on offer for each stage; all that is installed, without.
+    force : bool
+        Replace something else than an EDL at ``edl_path``; a camera's file never.
     progress : Progress, optional
         Where long work reports to, such as ``with mcsl.Session("bar").progress() as progress``; nowhere without.
     **stages : str
@@ -58,14 +61,9 @@ def analyse(
     UsageError, InputError, Cancelled
         Where a name is unknown, a file is refused, or ``progress`` was told to stop; nothing is written then.
 
-    Notes
-    -----
-    The stages' results are kept beside the EDL (``edl.cache``): another selector then takes a moment.
-
     Examples
     --------
-    >>> p = mcsl.analyse("recording/", "edl.json", selector="least-occluded")
-    >>> p.edl.movements
+    >>> mcsl.analyse("recording/", "edl.json", selector="least-occluded").edl.movements
     """
     _check_settings(settings, stages)
     settings = settings or AnalysisSettings()
@@ -76,6 +74,7 @@ def analyse(
         Path(edl_path),
         settings=settings,
         plugins=plugins or discover(),
+        force=force,
         progress=progress or Silent(),
     )
     return open(edl_path, allow_outside=True)  # it was made here, even where that cannot be remembered

@@ -23,7 +23,6 @@ from mcsl_core.delivery.conform import Conformed, default_folder
 from mcsl_core.delivery.quality import quality_named
 from mcsl_core.delivery.source import ProgrammeSource
 from mcsl_core.edl import Edl, Override
-from mcsl_core.edl.edits import rebased
 from mcsl_core.errors import Fault, InputError, UsageError
 from mcsl_core.hooks.registry import filler_of
 from mcsl_core.imaging.planes import U8
@@ -33,6 +32,7 @@ from mcsl_core.recording.footage import Footage, footage_of
 from mcsl_core.report.page import write_report
 from mcsl_core.timing import FrameRange, format_time
 
+from .saving import write_edl
 from .views import Views, moved
 
 
@@ -171,24 +171,22 @@ class Programme:
             remedy = f"Give one of {', '.join(decided)}"
             raise UsageError("the override decides nothing", where=str(self.path), remedy=remedy)
         try:
-            override = Override(self._range(frames), note=note, **decided)
+            override = Override(self._views.piece_of(frames), note=note, **decided)
         except Fault as fault:
             raise UsageError(str(fault), where=str(self.path), remedy="See help(Programme.override)") from None
         if camera is not None:
             self._views.check_camera(camera)
         self.edl = attrs.evolve(self._edl, overrides=(*self._edl.overrides, override))
 
-    def save(self, path: str | Path | None = None) -> Path:
-        """Writes the EDL, whole or not at all, and returns where.
+    def save(self, path: str | Path | None = None, *, force: bool = False) -> Path:
+        """Writes the EDL, whole or not at all, and returns where. What others wrote into the file meanwhile stays, and
+        `edl` has it afterwards; DocumentError where both changed the same.
 
         path: another file than the one it was opened from, which then stays as it is. From then on the programme is the
-        new file's, and its media paths count from the new folder.
+        new file's, and its media paths count from the new folder. force: write it over whatever is there.
         """
         target = self.path if path is None else Path(path)
-        made = rebased(self._edl, self.folder, target.parent)
-        target.parent.mkdir(parents=True, exist_ok=True)
-        edls.save(made, target)
-        edls.remember(made, target)
+        made = write_edl(self._edl, self._written, self.path, target, force=force)
         if made != self._edl:
             self.close()  # they know the media by the paths of before
         self.path, self._edl, self._written = target, made, made
@@ -213,7 +211,7 @@ class Programme:
 
     def frames(self, frames: FrameRange | tuple[int, int]) -> Iterator[U8]:
         """The finished pictures of a range one after another, in flat memory; each as `frame` gives it."""
-        return self._views.frames(self._range(frames))
+        return self._views.frames(self._views.piece_of(frames))
 
     def camera_at(self, frame: int) -> str:
         """The camera chosen at a frame, overrides on top; where it has no picture the reference camera is shown."""
@@ -319,9 +317,8 @@ class Programme:
         preset: str | Path = "h264",
         engine: str = "blender",
         quality: str = "standard",
-        blender: str | None = None,
-        audio: str | None = None,
         progress: Progress | None = None,
+        **more: Any,
     ) -> Path:
         """Renders the programme to a video and returns where it lies.
 
@@ -337,15 +334,17 @@ class Programme:
             Of the conformed pictures.
         blender, audio : str, optional
             The Blender to use, the first found without; whose sound is taken, or "none", the reference's without.
+        force : bool
+            Replace a file that mcsl did not write, or that was changed since; what the programme is made from never.
 
         Raises
         ------
-        UsageError
-            Also where changes are not saved: Blender reads the EDL's file.
+        UsageError, InputError
+            Also where changes are not saved (Blender reads the EDL's file), or ``out`` may not be written over.
         """
         self._check_saved()
-        how: dict[str, Any] = {"preset": preset, "engine": engine, "quality": quality, "blender": blender}
-        return rendering.render(self.path, Path(out), **how, audio=audio, progress=progress)
+        how: dict[str, Any] = {"preset": preset, "engine": engine, "quality": quality, **more}
+        return rendering.render(self.path, Path(out), **how, progress=progress)
 
     def timeline(
         self,
@@ -354,12 +353,13 @@ class Programme:
         preset: str | Path = "h264",
         conformed: str | Path | None = None,
         blender: str | None = None,
+        force: bool = False,
         progress: Progress | None = None,
     ) -> BuiltTimeline:
         """Builds the Blender timeline ``out`` (.blend) of the saved EDL; see `blender.timeline.build_timeline`."""
         self._check_saved()
         folder = None if conformed is None else Path(conformed)
-        how: dict[str, Any] = {"blender": blenders.find(blender), "preset": preset, "conformed": folder}
+        how: dict[str, Any] = {"blender": blenders.find(blender), "preset": preset, "conformed": folder, "force": force}
         return build_timeline(self.path, Path(out), **how, progress=progress)
 
     def report(
@@ -367,12 +367,10 @@ class Programme:
     ) -> Path:
         """Writes the page (.html) about the saved EDL. figures: from `mcsl evaluate --json`, else measured quickly.
 
-        how: ``anonymous``, without names, and ``with_pictures``, as `report.page.write_report` takes them."""
+        how: ``anonymous``, without names, ``with_pictures`` and ``force``, as `report.page.write_report` takes them."""
         self._check_saved()
         write_report(self.path, Path(out), figures_path=Path(figures) if figures else None, progress=progress, **how)
         return Path(out)
-
-    # --------------------------------------------------------------------------------------------------- within
 
     @cached_property
     def _views(self) -> Views:
@@ -384,15 +382,6 @@ class Programme:
             dropped = self.__dict__.pop(name, None)
             if isinstance(dropped, Views):
                 dropped.close()
-
-    def _range(self, frames: FrameRange | tuple[int, int]) -> FrameRange:
-        try:
-            piece = frames if isinstance(frames, FrameRange) else FrameRange(*frames)
-        except (Fault, TypeError) as error:
-            what = error.what if isinstance(error, Fault) else f"a range is its first frame and its end, got {frames!r}"
-            raise UsageError(what, where=str(self.path), remedy="Give it as (900, 1100)") from None
-        self._views.check_frame(piece.stop - 1)
-        return piece
 
     def _check_saved(self) -> None:
         remedy = "Call save(), or save(another path) to leave the file as it is"

@@ -19,7 +19,7 @@ from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.compositing.placement import programme_matrix
 from mcsl_core.edl import Edl
 from mcsl_core.edl.resolve import Decision, resolve_by_pose, shift_at
-from mcsl_core.errors import MediaError, UsageError
+from mcsl_core.errors import Fault, MediaError, UsageError
 from mcsl_core.hooks.registry import filler_of
 from mcsl_core.imaging.geometry import Homography, transform_points
 from mcsl_core.imaging.planes import U8, Planes, planes_to_bgr
@@ -83,6 +83,16 @@ class Views:
             remedy = f"Frames are 0 to {self.edl.frames - 1}"
             raise UsageError(f"there is no frame {at}", where=self.where, remedy=remedy)
         return at
+
+    def piece_of(self, frames: FrameRange | tuple[int, int]) -> FrameRange:
+        """A range of frames as people write it; UsageError where it is none, or not inside the programme."""
+        try:
+            piece = frames if isinstance(frames, FrameRange) else FrameRange(*frames)
+        except (Fault, TypeError) as error:
+            what = error.what if isinstance(error, Fault) else f"a range is its first frame and its end, got {frames!r}"
+            raise UsageError(what, where=self.where, remedy="Give it as (900, 1100)") from None
+        self.check_frame(piece.stop - 1)
+        return piece
 
     @cached_property
     def _compositor(self) -> Compositor:

@@ -11,13 +11,13 @@ import json
 import os
 import signal
 import subprocess
-import tempfile
 import time
 from pathlib import Path
 from typing import NoReturn, TypeVar
 
 from mcsl_core.errors import BlenderError, InputError, McslError, UsageError
 from mcsl_core.progress import CancelToken, Progress, Silent
+from mcsl_core.temporary import temporary_folder
 
 from .children import ended_afterwards
 from .installation import Blender, explain_missing
@@ -87,8 +87,7 @@ def run_task(blender: Blender, request: Request[Answer], progress: Progress | No
         Everything else, with the last lines of Blender's own output.
     """
     progress = progress or Silent()
-    with tempfile.TemporaryDirectory(prefix="mcsl-blender-") as name:
-        folder = Path(name)
+    with temporary_folder("blender") as folder:
         messages, log, order = folder / "messages", folder / "log", folder / "order.json"
         messages.touch()
         values = {"parent": os.getpid(), "task": request.task, "request": to_json(request)}

@@ -6,7 +6,6 @@ writes the programme without Blender and without what is above. tests/blender/wo
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +23,11 @@ from mcsl_core.filling.provenance import ShowProvenance
 from mcsl_core.hooks.registry import filler_of
 from mcsl_core.media.stripping import strip
 from mcsl_core.media.writing import Encoding
+from mcsl_core.outputs.claim import claim
+from mcsl_core.outputs.inputs import inputs_of
+from mcsl_core.outputs.manifest import Manifest, state_of
 from mcsl_core.progress import Progress, Silent
+from mcsl_core.temporary import temporary_beside, temporary_folder
 
 from . import installation
 from .child import run_task
@@ -61,6 +64,8 @@ class RenderSettings:
         A review copy with each camera's pixels in a tint of their own; ``direct`` alone does that.
     audio
         The camera whose sound the video has, or "none"; None for the timeline's own, of an EDL the reference's.
+    force
+        Replace a file that mcsl did not write, or that was changed since.
 
     Raises
     ------
@@ -75,6 +80,7 @@ class RenderSettings:
     jobs: int | None = None
     show_origin: bool = False
     audio: str | None = None
+    force: bool = False
 
     def __attrs_post_init__(self) -> None:
         if self.engine not in ENGINES:
@@ -92,7 +98,7 @@ class RenderSettings:
 
 
 def render(source: Path, out: Path, *, progress: Progress | None = None, **settings: Any) -> Path:
-    """Renders an EDL or a timeline to a video; one that was there is replaced whole or not at all.
+    """Renders an EDL or a timeline to a video; one that mcsl wrote there is replaced whole or not at all.
 
     A timeline is pulled into the EDL it names, conformed, and saved with the exact pictures in place; its own output
     settings stay. Conformed media are kept beside the EDL and used again.
@@ -120,37 +126,58 @@ def render(source: Path, out: Path, *, progress: Progress | None = None, **setti
     McslError
         What pulling, conforming and Blender raise.
     """
-    progress = progress or Silent()
-    how = RenderSettings(**settings)
+    progress, how = progress or Silent(), RenderSettings(**settings)
+    read = [source, *(Path(given) for given in (settings.get("preset"),) if isinstance(given, (str, Path)))]
     _check(source, out, how)
-    edl_path = source
+    claim(out, inputs=read, force=True)  # whose it is, is asked once the EDL is known
+    edl_path, was = source, state_of(source)
     blender = how.find_blender() if how.engine == "blender" or source.suffix == ".blend" else None
     if source.suffix == ".blend" and blender is not None:
         edl_path, edl = pull_from(source, blender=blender, progress=progress)
     else:
         edl = edls.load(source)
-    out.parent.mkdir(parents=True, exist_ok=True)
-    if how.engine == "direct" or blender is None:
-        _direct(edl, edl_path, out, how, progress)
-        return out
-    audio = None if source.suffix == ".blend" else how.audio  # a timeline keeps its sound: the video goes without
+    manifest = Manifest.beside(edl_path)
+    read += [*inputs_of(edl, edl_path), *default_folder(edl_path).glob("*")]
+    output = claim(out, inputs=read, manifest=manifest, force=how.force)
+    with output.writing() as part:
+        if how.engine == "direct" or blender is None:
+            _direct(edl, edl_path, part, how, progress)
+            return out
+        audio = None if source.suffix == ".blend" else how.audio  # a timeline keeps its sound: the video goes without
+        media = _conformed(edl, edl_path, how, progress, audio)
+        if source.suffix == ".blend":
+            run_task(blender, RefreshRequest(blend=source.resolve(), **media), progress)
+            if manifest.knows(source, was):  # nobody had worked in it, so that it is still ours
+                manifest.record(source)
+            _in_blender(source, part, how, blender, progress)
+            return out
+        with temporary_folder("render") as temporary:
+            blend = temporary.resolve() / "programme.blend"
+            video = {"preset": how.preset, "output": f"{blend.stem}.{how.preset.container}"}
+            run_task(blender, TimelineRequest(blend=blend, **video, **media), progress)
+            _in_blender(blend, part, how, blender, progress)
+    return out
+
+
+def _in_blender(blend: Path, out: Path, how: RenderSettings, blender: Blender, progress: Progress) -> None:
+    raw = temporary_beside(out, out.suffix)
+    try:
+        run_task(blender, RenderRequest(blend=blend.resolve(), preset=how.preset, output=raw), progress)
+        # Blender's FFmpeg writes down its version and all that its encoders were told.
+        strip(raw, out, sound=how.audio != NO_SOUND)
+    finally:
+        raw.unlink(missing_ok=True)
+
+
+def _conformed(edl: Edl, edl_path: Path, how: RenderSettings, progress: Progress, audio: str | None) -> dict[str, Any]:
+    """The exact pictures and the sound, as requests take them."""
     programme = ProgrammeSource(edl, edl_path.parent, filler_of(edl, progress), audio)
     done = conform(programme, default_folder(edl_path), jobs=how.jobs, quality=how.quality, progress=progress)
-    media = {
+    return {
         "edl": edl_path.resolve(),
         "conformed": tuple(piece_of(chunk, done.folder.resolve()) for chunk in done.chunks),
         "sound": None if done.audio is None else done.audio.resolve(),
     }
-    if source.suffix == ".blend":
-        run_task(blender, RefreshRequest(blend=source.resolve(), **media), progress)
-        _in_blender(source, out, how, blender, progress)
-        return out
-    with tempfile.TemporaryDirectory(prefix="mcsl-render-") as name:
-        blend = Path(name).resolve() / "programme.blend"
-        video = f"{blend.stem}.{how.preset.container}"
-        run_task(blender, TimelineRequest(blend=blend, preset=how.preset, output=video, **media), progress)
-        _in_blender(blend, out, how, blender, progress)
-    return out
 
 
 def _check(source: Path, out: Path, how: RenderSettings) -> None:
@@ -198,17 +225,3 @@ def _direct(edl: Edl, edl_path: Path, out: Path, how: RenderSettings, progress: 
         resampling=how.quality.resampling,
     )
     write_direct(ProgrammeSource(edl, edl_path.parent, filler, how.audio), out, video=video, progress=progress)
-
-
-def _in_blender(blend: Path, out: Path, how: RenderSettings, blender: Blender, progress: Progress) -> None:
-    part = out.resolve().with_name(f".{out.stem}.part{out.suffix}")
-    clean = part.with_stem(f"{part.stem}.clean")
-    try:
-        run_task(blender, RenderRequest(blend=blend.resolve(), preset=how.preset, output=part), progress)
-        strip(
-            part, clean, sound=how.audio != NO_SOUND
-        )  # Blender's FFmpeg writes down its version and all that its encoders were told
-        clean.replace(out)
-    finally:
-        part.unlink(missing_ok=True)
-        clean.unlink(missing_ok=True)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
+from typing import Any
 
 import attrs
 
@@ -11,17 +13,22 @@ from mcsl_core.delivery.audio import sound_key
 from mcsl_core.delivery.chunk_keys import Chunk, chunks_present, media_fingerprints
 from mcsl_core.delivery.conform import default_folder
 from mcsl_core.delivery.presets import Preset, preset_of
-from mcsl_core.documents import write_atomic
 from mcsl_core.edl import Edl
 from mcsl_core.edl.edits import rebased
 from mcsl_core.errors import InputError, UsageError
 from mcsl_core.hooks.registry import filler_of
 from mcsl_core.input_files import check_file
+from mcsl_core.outputs.claim import claim
+from mcsl_core.outputs.inputs import inputs_of
+from mcsl_core.outputs.locks import changing
+from mcsl_core.outputs.manifest import Manifest
 from mcsl_core.progress import Progress, Silent
 
 from .child import run_task
 from .installation import Blender
-from .messages import BuiltTimeline, ConformedPiece, ReadRequest, TimelineRequest
+from .messages import BuiltTimeline, ConformedPiece, ReadDecisions, ReadRequest, TimelineRequest
+
+_TRIES = 3  # how often a timeline is read whose EDL others write meanwhile
 
 
 def build_timeline(
@@ -31,9 +38,12 @@ def build_timeline(
     blender: Blender,
     preset: str | Path | Preset = "h264",
     conformed: Path | None = None,
+    force: bool = False,
     progress: Progress | None = None,
 ) -> BuiltTimeline:
     """Builds the timeline of an EDL; the .blend is replaced whole or not at all.
+
+    One that was changed since mcsl wrote it holds an editor's work and is refused.
 
     Those conformed media that belong to the EDL as it is are put in place, the rest of the programme shows Blender's
     preview.
@@ -48,76 +58,107 @@ def build_timeline(
         The output settings that the .blend is given: a name, the path of a preset file, or a preset.
     conformed
         Folder of conformed media; None takes the one beside the EDL.
+    force
+        Replace a .blend that mcsl did not write, or that was changed since; it is kept as ``.blend1``.
     progress
         Where the work reports to.
 
     Raises
     ------
     InputError
-        The EDL is wrong, or media are missing.
+        The EDL is wrong, media are missing, or the .blend may not be written over.
     BlenderError
         Blender failed.
     """
     edl = edls.load(edl_path)
     _check_blend_name(blend_path)
+    inputs = [*inputs_of(edl, edl_path), *([] if isinstance(preset, Preset) else [Path(preset)])]
+    output = claim(blend_path, inputs=inputs, manifest=Manifest.beside(edl_path), force=force)
     folder = conformed if conformed is not None else default_folder(edl_path)
     if conformed is not None and not folder.is_dir():
         raise InputError("is not a folder", where=str(folder), remedy="Make it with `mcsl conform`")
     pieces, sound = in_place(edl, edl_path.parent, folder)
-    output = preset_of(preset)
-    request = TimelineRequest(
-        edl=edl_path.resolve(),
-        blend=blend_path.resolve(),
-        conformed=pieces,
-        sound=sound,
-        preset=output,
-        output=f"{blend_path.stem}.{output.container}",
-    )
-    blend_path.parent.mkdir(parents=True, exist_ok=True)
-    return run_task(blender, request, progress)
+    kind = preset_of(preset)
+    with output.writing() as part:
+        request = TimelineRequest(
+            edl=edl_path.resolve(),
+            blend=part,
+            conformed=pieces,
+            sound=sound,
+            preset=kind,
+            output=f"{blend_path.stem}.{kind.container}",
+        )
+        built = run_task(blender, request, progress)
+        output.keep_backup()
+    return attrs.evolve(built, blend=blend_path.resolve())
 
 
-def pull_overrides(
-    blend_path: Path, edl_out: Path | None = None, *, blender: Blender, progress: Progress | None = None
-) -> Edl:
+def pull_overrides(blend_path: Path, edl_out: Path | None = None, **how: Any) -> Edl:
     """Reads the editor's decisions into the EDL that the .blend names, or into a copy of it at ``edl_out``.
 
     Nothing but overrides, corrections and the look changes; where nothing was decided anew, the file is left as it
-    is, to the byte.
+    is, to the byte. What others wrote into the EDL meanwhile stays. Takes what `pull_from` takes.
 
     Raises
     ------
     InputError
-        Something in the timeline cannot be read; it names strip and frame. Nothing is written then.
+        Something in the timeline cannot be read; it names strip and frame. Or ``edl_out`` may not be written over.
+        Nothing is written then.
     """
-    return pull_from(blend_path, edl_out, blender=blender, progress=progress)[1]
+    return pull_from(blend_path, edl_out, **how)[1]
 
 
 def pull_from(
-    blend_path: Path, edl_out: Path | None = None, *, blender: Blender, progress: Progress | None = None
+    blend_path: Path,
+    edl_out: Path | None = None,
+    *,
+    blender: Blender,
+    force: bool = False,
+    progress: Progress | None = None,
 ) -> tuple[Path, Edl]:
-    """As `pull_overrides`; also returns where the EDL lies that was written."""
+    """As `pull_overrides`; also returns where the EDL lies that was written.
+
+    force: replace an ``edl_out`` that mcsl did not write, or that was changed since.
+    """
     progress = progress or Silent()
     _check_blend_name(blend_path)
     check_file(blend_path, wanted="a timeline", remedy="Hand in the .blend file")
-    progress.stage("reading the timeline")
+    if edl_out is not None:
+        claim(edl_out, inputs=[blend_path], force=True)  # whose it is, is asked once the EDL is known
     instead = None if edl_out is None else edl_out.resolve()
-    decided = run_task(blender, ReadRequest(blend_path.resolve(), instead), progress)
+    for left in reversed(range(_TRIES)):
+        progress.stage("reading the timeline")
+        began_ns = time.time_ns()
+        decided = run_task(blender, ReadRequest(blend_path.resolve(), instead), progress)
+        if not decided.changed and edl_out is None:
+            return decided.edl, edls.load(decided.edl)
+        target = decided.edl if edl_out is None else edl_out
+        with changing(target):
+            if decided.edl.stat().st_mtime_ns < began_ns:
+                return target, _put(decided, target, blend_path, force)
+        if not left:
+            what, remedy = "is written again and again meanwhile", "Let the other program end, then pull"
+            raise InputError(what, where=str(decided.edl), remedy=remedy)
+        progress.note(f"{decided.edl} was written meanwhile, and is read again")
+    raise AssertionError  # the last try returns or raises
+
+
+def _put(decided: ReadDecisions, target: Path, blend: Path, force: bool) -> Edl:
+    """Writes what was decided into the EDL it belongs to, or into a copy of that at ``target``."""
     edl = edls.load(decided.edl)
-    target = decided.edl if edl_out is None else edl_out
+    inputs = (*inputs_of(edl, decided.edl), blend)
     if decided.changed:
         edl = attrs.evolve(edl, overrides=decided.overrides, corrections=decided.corrections, look=decided.look)
     if target.resolve() == decided.edl.resolve():
         if decided.changed:
             edls.save(edl, target)
-        return target, edl
+        return edl
+    output = claim(target, inputs=inputs, manifest=Manifest.beside(decided.edl), force=force)
     moved = rebased(edl, decided.edl.parent, target.parent)
-    if moved == edl and not decided.changed:
-        write_atomic(target, decided.edl.read_bytes())
-    else:
-        edls.save(moved, target)
+    as_it_is = moved == edl and not decided.changed
+    output.write(decided.edl.read_bytes() if as_it_is else edls.dumps(moved).encode())
     edls.remember(moved, target)
-    return target, moved
+    return moved
 
 
 def in_place(edl: Edl, base: Path, folder: Path) -> tuple[tuple[ConformedPiece, ...], Path | None]:

@@ -17,6 +17,9 @@ from mcsl_core.blender.timeline import build_timeline
 from mcsl_core.edl import Edl
 from mcsl_core.errors import InputError
 from mcsl_core.hooks.registry import discover
+from mcsl_core.outputs.claim import claim, claim_folder
+from mcsl_core.outputs.inputs import inputs_of
+from mcsl_core.outputs.manifest import Manifest
 from mcsl_core.progress import Progress
 from mcsl_core.report.contact_sheet import contact_sheet, save_picture
 from mcsl_core.simulation import Scenario, Truth, alignment_error, best_plane_error, simulate
@@ -32,22 +35,29 @@ class Demo:
     text: str
 
 
-def run_demo(folder: Path, *, seed: int, blender: str | None, progress: Progress) -> Demo:
+def run_demo(folder: Path, *, seed: int, blender: str | None, force: bool = False, progress: Progress) -> Demo:
     """Simulates, analyses, builds the timeline and renders into ``folder``; says where everything lies.
 
-    Raises InputError when ``folder`` holds something that is not a demo, so that nothing of yours is overwritten.
+    Raises InputError when ``folder`` holds something that is not a demo, or a demo that somebody worked in, so that
+    nothing of yours is overwritten but with ``force``.
     """
+    claim_folder(folder)
     if not (folder / "recording" / "truth.json").exists() and not _is_free(folder):
         raise InputError("is not empty", where=str(folder), remedy="Name a new folder: mcsl demo FOLDER")
     desk, plugins = blenders.find(blender), discover()  # what is broken is said before the long work
     recording, edl_path = folder / "recording", folder / "edl.json"
     blend, video, sheet = folder / "edit.blend", folder / "programme.mp4", folder / "contact-sheet.png"
-    truth = simulate(Scenario(seed=seed, duration_s=DURATION_S, movements=1), recording, progress)
-    made = analyse([recording], edl_path, settings=AnalysisSettings(), plugins=plugins, progress=progress)
-    build_timeline(edl_path, blend, blender=desk, progress=progress)
-    rendering.render(blend, video, preset="h264", engine="blender", blender=desk, progress=progress)
+    for file in (blend, video, sheet):
+        claim(file, manifest=Manifest.beside(edl_path), force=force)
+    scenario = Scenario(seed=seed, duration_s=DURATION_S, movements=1)
+    truth = simulate(scenario, recording, progress, force=force)
+    made = analyse([recording], edl_path, settings=AnalysisSettings(), plugins=plugins, force=force, progress=progress)
+    build_timeline(edl_path, blend, blender=desk, force=force, progress=progress)
+    rendering.render(blend, video, preset="h264", engine="blender", blender=desk, force=force, progress=progress)
     middles = [(p.range.start + p.range.stop) // 2 for p in made.poses]
-    save_picture(contact_sheet(made, folder, middles[:3]), sheet)
+    picture = claim(sheet, inputs=inputs_of(made, edl_path), manifest=Manifest.beside(edl_path), force=force)
+    with picture.writing() as part:
+        save_picture(contact_sheet(made, folder, middles[:3]), part)
     errors = alignment_errors(truth, made)
     places = {
         "recording": recording,

@@ -16,6 +16,8 @@ from mcsl_core import hooks
 from mcsl_core.errors import InputError, UsageError
 from mcsl_core.hooks.registry import discover
 from mcsl_core.hooks.stages import STAGES
+from mcsl_core.outputs.claim import check_place
+from mcsl_core.temporary import temporary_beside
 
 
 @frozen
@@ -51,6 +53,7 @@ def new_plugin(name: str, stage: str, folder: Path) -> list[Path]:
     """
     module = name.replace("-", "_")
     _check_name(name, module, stage)
+    check_place(folder)
     if folder.exists():
         raise InputError("is there already", where=str(folder), remedy="Choose another name, or another folder with -o")
     example, noun = EXAMPLES[stage], STAGES[stage].noun
@@ -71,7 +74,7 @@ def new_plugin(name: str, stage: str, folder: Path) -> list[Path]:
         f"tests/test_{module}.py": f"test_{stage}.py.j2",
     }
     texts = {file: _rendered(template, words) for file, template in files.items()}
-    part = folder.with_name(f".{folder.name}.part")
+    part = temporary_beside(folder)
     try:
         for file, text in texts.items():
             (part / file).parent.mkdir(parents=True, exist_ok=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -13,16 +14,17 @@ from mcsl_core.input_files import name_fault
 
 
 class _Path(click.Path):
-    """A path that a file can have at all: what is too long is a wrong call, not a failure after the work."""
+    """A path that a file can have at all: what cannot be is a wrong call, not a failure after the work."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        path = super().convert(value, param, ctx)
-        if fault := name_fault(str(path)):
-            self.fail(f"{str(path)[:60]!r}... {fault}", param, ctx)
-        return path
+        if fault := name_fault(os.fspath(value)):
+            shown = str(value).replace("\0", "\\0")[:60]
+            self.fail(f"{shown!r}... {fault}", param, ctx)
+        return super().convert(value, param, ctx)
 
 
 PATH = _Path(path_type=Path)
+FORCE = click.option("--force", is_flag=True, help="Replace a file that mcsl did not write or that was changed since.")
 
 
 def _allow(ctx: click.Context, _parameter: click.Parameter, given: bool) -> None:

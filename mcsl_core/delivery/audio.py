@@ -9,10 +9,9 @@ import hashlib
 import json
 import os
 import struct
-import tempfile
 from fractions import Fraction
-from io import FileIO
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from mcsl_core.edl import Edl
 from mcsl_core.errors import writing
 from mcsl_core.progress import Progress
 from mcsl_core.recording.footage import Footage
+from mcsl_core.temporary import open_private, temporary_beside
 
 AUDIO_RATE = 48000
 
@@ -54,12 +54,12 @@ def write_wav(footage: Footage, camera: str, edl: Edl, path: Path, progress: Pro
     """
     samples = round(Fraction(edl.frames) / edl.rate * AUDIO_RATE)
     progress.stage("Sound", samples // AUDIO_RATE, "s")
+    part = temporary_beside(path)
     with writing(path):
-        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
-    part = Path(name)
+        file = open_private(part, "xb", buffering=0)  # an operating room speaks of people by name
     try:
         done = 0
-        with os.fdopen(handle, "wb", buffering=0) as out:
+        with file as out:
             _write(out, wav_header(samples), path)
             for block in footage.audio_blocks(camera, 0, Fraction(edl.frames) / edl.rate, AUDIO_RATE):
                 _write(out, np.round(np.clip(block, -1, 1) * 32767).astype("<i2").tobytes(), path)
@@ -68,13 +68,12 @@ def write_wav(footage: Footage, camera: str, edl: Edl, path: Path, progress: Pro
             with writing(path):
                 os.fsync(out.fileno())  # a power cut must not leave a name without its content
         with writing(path):
-            part.chmod(0o644)
             part.replace(path)
     finally:
         part.unlink(missing_ok=True)
 
 
-def _write(out: FileIO, data: bytes, path: Path) -> None:
+def _write(out: BinaryIO, data: bytes, path: Path) -> None:
     with writing(path):
         while data:  # a disk that is nearly full takes some of it
             data = data[out.write(data) :]

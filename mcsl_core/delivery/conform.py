@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 import threading
-import time
 from collections.abc import Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from pathlib import Path
@@ -24,6 +23,9 @@ from mcsl_core.edl.resolve import resolve_by_pose
 from mcsl_core.errors import Cancelled, UsageError
 from mcsl_core.media.fingerprint import newest_change_s
 from mcsl_core.media.writing import VideoWriter
+from mcsl_core.outputs.claim import claim_folder, is_same_file
+from mcsl_core.outputs.locks import in_turn
+from mcsl_core.outputs.manifest import Manifest
 from mcsl_core.progress import Progress, Silent
 from mcsl_core.recording.contents import read_contents
 from mcsl_core.recording.damage import tell_of_damage
@@ -35,7 +37,6 @@ from .chunk_keys import Chunk, is_chunk, media_fingerprints, plan_chunks, with_f
 from .quality import STANDARD, Quality, as_good_as
 from .source import ProgrammeSource
 
-_STALE_S = 3600
 _MOST_JOBS = 8  # 150 MiB each at 1080p
 
 
@@ -71,7 +72,7 @@ def conform(
 ) -> Conformed:
     """Makes the chunks that ``out`` lacks, and the programme's sound.
 
-    A run that is stopped leaves whole chunks only, and the next carries on.
+    A run that is stopped leaves whole chunks only, and the next carries on. Runs into one folder take turns.
 
     Parameters
     ----------
@@ -82,7 +83,7 @@ def conform(
     jobs
         How many chunks are made at a time; one a core without.
     prune
-        Whether the chunks and sound that this EDL does not use, and chunks of a lesser quality, are deleted afterwards.
+        Whether mcsl's own chunks and sound that this EDL does not use, and those of a lesser quality, are deleted.
     quality
         How the pictures are coded and resampled.
     progress
@@ -102,21 +103,31 @@ def conform(
     jobs = min(os.cpu_count() or 1, _MOST_JOBS) if jobs is None else jobs
     if jobs < 1:
         raise UsageError(f"at least one chunk is made at a time, got {jobs}", remedy="Choose 1 or more jobs")
+    manifest = _claimed(out)
     read_contents(_files(source), progress)  # of hours it takes minutes: what follows finds it remembered
     chunks = plan_chunks(source.edl, source.base, filler=source.filler, quality=quality)
     out.mkdir(parents=True, exist_ok=True)
-    _sweep(out)
-    _rename_former(source, out, chunks, quality)
-    _tell_of_changed_media(source, progress)
-    missing = [chunk for chunk in chunks if not (out / chunk.name).is_file()]
-    if missing:
-        _tell_of_space(source, out, chunks, missing, quality, progress)
-    audio = _make_sound(source, out, progress)
-    if missing:
-        _make_chunks(source, out, missing, min(jobs, len(missing)), quality, progress)
-    if prune:
-        _prune(source, out, quality, audio)
+    with in_turn(manifest.path, "conform", _Waiting(progress)):
+        _rename_former(source, manifest, chunks, quality)
+        _tell_of_changed_media(source, progress)
+        missing = [chunk for chunk in chunks if not (out / chunk.name).is_file()]
+        if missing:
+            _tell_of_space(source, out, chunks, missing, quality, progress)
+        audio = _make_sound(source, out, progress)
+        _adopt(manifest, [out / chunk.name for chunk in chunks if chunk not in missing], audio)
+        if missing:
+            _make_chunks(source, out, missing, min(jobs, len(missing)), quality, progress)
+        if prune:
+            _prune(source, manifest, quality, audio)
     return Conformed(out, chunks, audio, len(missing))
+
+
+def _claimed(out: Path) -> Manifest:
+    """What mcsl made in ``out`` so far; InputError where that is no folder to write to."""
+    claim_folder(out)
+    manifest = Manifest.inside(out)
+    manifest.check()
+    return manifest
 
 
 def _files(source: ProgrammeSource) -> list[tuple[Path, str]]:
@@ -125,11 +136,12 @@ def _files(source: ProgrammeSource) -> list[tuple[Path, str]]:
     return [(path, key) for path, key in files if path.is_file()]
 
 
-def _rename_former(source: ProgrammeSource, out: Path, chunks: Sequence[Chunk], quality: Quality) -> None:
+def _rename_former(source: ProgrammeSource, manifest: Manifest, chunks: Sequence[Chunk], quality: Quality) -> None:
     """Gives chunks made under content keys of the former kind the names of today's.
 
     The former keys do not see every change: only where the chunk is younger than any change of the media.
     """
+    out = manifest.path.parent
     missing = {chunk.range: chunk for chunk in chunks if not (out / chunk.name).exists()}
     if not missing or not any(is_chunk(path.name) for path in out.iterdir()):
         return
@@ -142,26 +154,39 @@ def _rename_former(source: ProgrammeSource, out: Path, chunks: Sequence[Chunk], 
                 name.hardlink_to(lying)  # timelines that were built before still name the other
             except OSError:
                 lying.rename(name)
+            manifest.record(lying, name)
 
 
-def _prune(source: ProgrammeSource, out: Path, quality: Quality, audio: Path | None) -> None:
-    """Deletes the chunks and sound in ``out`` that the programme does not use at ``quality`` or finer."""
+def _adopt(manifest: Manifest, files: list[Path], audio: Path | None) -> None:
+    """Takes for ours what is needed and named as only mcsl would: of a version without a list, or of a killed run."""
+    listed = manifest.names()
+    new = [file for file in (*files, *([audio] if audio else [])) if file.name not in listed]
+    if new:
+        manifest.record(*new)
+
+
+class _Waiting:
+    """Says once for whom a run waits; gives up where it is told to stop."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress, self._told = progress, False
+
+    def __call__(self, holder: str) -> None:
+        if not self._told:
+            self._progress.stage(f"Waiting for {holder}, which conforms into the same folder")
+        self._told = True
+        self._progress.advance(0)
+
+
+def _prune(source: ProgrammeSource, manifest: Manifest, quality: Quality, audio: Path | None) -> None:
+    """Deletes the chunks and sound of ours that the programme does not use at ``quality`` or finer."""
     plans = (plan_chunks(source.edl, source.base, filler=source.filler, quality=q) for q in as_good_as(quality))
     keep = {chunk.name for plan in plans for chunk in plan} | ({audio.name} if audio else set())
-    for path in out.iterdir():
-        if path.name not in keep and (is_chunk(path.name) or _is_sound(path.name)):
+    media = [source.base / media.path for camera in source.edl.cameras for media in camera.media]
+    for name in manifest.names() - keep:
+        path = manifest.path.parent / name
+        if Path(name).name == name and manifest.knows(path) and not any(is_same_file(path, file) for file in media):
             path.unlink()
-
-
-def _is_sound(name: str) -> bool:
-    return name.startswith("sound-") and name.endswith(".wav")
-
-
-def _sweep(out: Path) -> None:
-    """Deletes what a killed run left half-written; younger parts may be another run's."""
-    for path in out.glob(".*.part"):
-        if time.time() - path.stat().st_mtime > _STALE_S:
-            path.unlink(missing_ok=True)
 
 
 def _tell_of_changed_media(source: ProgrammeSource, progress: Progress) -> None:
@@ -212,7 +237,7 @@ class _ChunkMaker:
         self._source, self._out, self._quality, self._encoding = source, out, quality, quality.encoding
         self.footage = footage_of(source.edl, source.base, threads=0 if jobs == 1 else 1)
         self._parallax = Parallax(source.edl, self.footage)
-        if jobs > 1 and self._encoding.codec == "libx264":
+        if self._encoding.codec == "libx264":  # it codes otherwise in several threads: the bytes would tell of the jobs
             self._encoding = attrs.evolve(self._encoding, options={**self._encoding.options, "threads": "1"})
         self._stopped, self._lock = threading.Event(), threading.Lock()
         self.frames = 0
@@ -221,8 +246,9 @@ class _ChunkMaker:
         """Has every call under way end with `Cancelled` at its next frame."""
         self._stopped.set()
 
-    def make(self, chunk: Chunk) -> None:
-        edl, quality = self._source.edl, self._quality
+    def make(self, chunk: Chunk) -> Path:
+        """The file of ``chunk``, made now."""
+        edl, quality, path = self._source.edl, self._quality, self._out / chunk.name
         with (
             Compositor(
                 edl,
@@ -232,7 +258,7 @@ class _ChunkMaker:
                 parallax=self._parallax,
             ) as compositor,
             VideoWriter(
-                self._out / chunk.name,
+                path,
                 size=edl.size,
                 rate=edl.rate,
                 encoding=self._encoding,
@@ -245,6 +271,7 @@ class _ChunkMaker:
                 writer.write(planes)
                 with self._lock:
                     self.frames += 1
+        return path
 
 
 def _make_chunks(
@@ -253,14 +280,15 @@ def _make_chunks(
     """Threads, not processes: decoding, warping and encoding run outside Python's lock, and plugins need no pickling.
 
     Each job decodes and encodes in one thread of its own; two jobs then keep two cores as busy as frame threads do,
-    without waiting for each other. A single chunk, as an override leaves it, gets the threads of all cores.
+    without waiting for each other. A single chunk, as an override leaves it, is decoded in the threads of all cores.
     """
     progress.stage("Conforming", sum(len(chunk.range) for chunk in missing), "frames")
     maker = _ChunkMaker(source, out, quality, jobs=jobs)
+    manifest = Manifest.inside(out)
     threads_before = cv2.getNumThreads()
     if jobs > 1:
         cv2.setNumThreads(1)
-    waiting, running = list(reversed(missing)), set[Future]()
+    waiting, running = list(reversed(missing)), set[Future[Path]]()
     try:
         with ThreadPoolExecutor(jobs, thread_name_prefix="conform") as pool:
             try:
@@ -268,8 +296,7 @@ def _make_chunks(
                     while waiting and len(running) < jobs:
                         running.add(pool.submit(maker.make, waiting.pop()))
                     done, running = wait(running, timeout=0.2, return_when=FIRST_COMPLETED)
-                    for future in done:
-                        future.result()
+                    manifest.record(*(future.result() for future in done))
                     progress.advance(maker.frames)
             except BaseException:
                 maker.stop()

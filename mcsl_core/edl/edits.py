@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from pathlib import Path, PurePosixPath
+from typing import Any
 
 import attrs
 
-from mcsl_core.errors import DocumentError
+from mcsl_core.errors import DocumentError, Fault
 from mcsl_core.timing import FrameRange
 
 from .schema import Edl, Override
@@ -42,6 +43,47 @@ def carry_over(old: Edl, new: Edl) -> Edl:
                 remedy=f"Analyse the whole recording, or shorten {at} in the old EDL",
             )
     return attrs.evolve(new, overrides=old.overrides, corrections=old.corrections, look=old.look)
+
+
+def merged(base: Edl, mine: Edl, theirs: Edl) -> Edl:
+    """``mine`` and ``theirs``, each changed from ``base`` without knowing of the other, in one document.
+
+    Raises
+    ------
+    DocumentError
+        Where both changed the same and it cannot hold both, or frames count differently now.
+    """
+    if theirs.rate != base.rate and (mine.overrides, mine.corrections) != (base.overrides, base.corrections):
+        raise _conflict("rate")
+    names = [field.name for field in attrs.fields(Edl)]
+    try:
+        return Edl(**{name: _one_of(name, *(getattr(edl, name) for edl in (base, mine, theirs))) for name in names})
+    except Fault as fault:
+        raise DocumentError(
+            f"what was changed here does not fit what was written into the file meanwhile ({fault})",
+            remedy="Open the file again and make the change there",
+        ) from fault
+
+
+def _one_of(name: str, base: Any, mine: Any, theirs: Any) -> Any:
+    """A part of the document that holds both changes."""
+    if mine in (base, theirs):
+        return theirs
+    if theirs == base:
+        return mine
+    if name == "look":
+        parts = [field.name for field in attrs.fields(type(base))]
+        return type(base)(**{n: _one_of(n, *(getattr(look, n) for look in (base, mine, theirs))) for n in parts})
+    if name in ("overrides", "corrections") and mine[: len(base)] == base:
+        return (*theirs, *mine[len(base) :])
+    raise _conflict(name)
+
+
+def _conflict(name: str) -> DocumentError:
+    return DocumentError(
+        f"{name} was changed here, and in the file as well since it was opened",
+        remedy="Open the file again and make the change there, or save under another name",
+    )
 
 
 def change_look(

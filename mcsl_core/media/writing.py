@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 
 from mcsl_core.errors import InputError, MediaError, UsageError
 from mcsl_core.imaging.planes import U8, Planes, bgr_to_planes
+from mcsl_core.temporary import temporary_beside
 
 from .banners import without_banner
 from .colours import BT709, LIMITED
@@ -137,13 +137,12 @@ class VideoWriter:
     def __enter__(self) -> VideoWriter:
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            handle, name = tempfile.mkstemp(prefix=f".{self.path.name}.", suffix=".part", dir=self.path.parent)
+            self._part = temporary_beside(self.path)
+            self._part.touch(exist_ok=False)  # obeys the umask
         except OSError as error:
             raise InputError(
                 f"cannot be written ({error.strerror})", where=str(self.path), remedy="Choose a folder you may write to"
             ) from error
-        os.close(handle)
-        self._part = Path(name)
         try:
             self._open()
         except BaseException:
@@ -280,9 +279,6 @@ class VideoWriter:
     def _rename(self) -> None:
         with self._part.open("rb+") as stream:  # a power cut must not leave a name without its content
             os.fsync(stream.fileno())
-        umask = os.umask(0)
-        os.umask(umask)
-        self._part.chmod(0o666 & ~umask)
         self._part.replace(self.path)
 
 

@@ -22,6 +22,7 @@ from mcsl_core.edl import Movement
 from mcsl_core.errors import Fault, InputError, writing
 from mcsl_core.input_files import check_file
 from mcsl_core.progress import Progress
+from mcsl_core.temporary import open_private, private_folder
 from mcsl_core.timing import FrameRange
 
 from .disk_space import tell_of_space
@@ -114,10 +115,12 @@ class SampleStore:
         tell_of_space("The samples", store.parent, seconds / step_s * _sample_bytes(footage), seconds, progress)
         with writing(store):
             _contents_of(store).unlink(missing_ok=True)
-            stream = store.open("w+b")
+            private_folder(store.parent)
+            store.unlink(missing_ok=True)
+            stream = open_private(store, "x+b")
         try:
             made = cls._recorded(footage, stream, store, progress, step_s)
-            write_atomic(_contents_of(store), json.dumps(made._contents()).encode())
+            write_atomic(_contents_of(store), json.dumps(made._contents()).encode(), private=True)
         except BaseException:  # what was begun takes the room that is missing
             stream.close()
             store.unlink(missing_ok=True)

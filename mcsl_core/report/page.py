@@ -12,12 +12,14 @@ from attrs import frozen
 
 from mcsl_core import __version__
 from mcsl_core.analysis.measurements import Measurements, load_measurements
-from mcsl_core.documents import write_atomic
 from mcsl_core.edl import Edl, load
 from mcsl_core.errors import Cancelled, McslError
 from mcsl_core.evaluation.evaluate import evaluate
 from mcsl_core.evaluation.results import Evaluation, load_evaluation
 from mcsl_core.occlusion.score_table import ScoreTable
+from mcsl_core.outputs.claim import claim
+from mcsl_core.outputs.inputs import inputs_of
+from mcsl_core.outputs.manifest import Manifest
 from mcsl_core.progress import Progress, Silent
 
 from .anonymous import FILE, fileless, nameless, untold
@@ -56,6 +58,7 @@ def write_report(
     figures_path: Path | None = None,
     anonymous: bool = False,
     with_pictures: bool = True,
+    force: bool = False,
     progress: Progress | None = None,
 ) -> None:
     """Write the page about an EDL.
@@ -72,17 +75,22 @@ def write_report(
         Without names of cameras, files and folders, without remarks and plugins; pictures show what they show.
     with_pictures : bool
         Whether pictures are taken.
+    force : bool
+        Replace a page that mcsl did not write, or that was changed since.
     progress : Progress, optional
         Where it is told how far it has come.
 
     Raises
     ------
     InputError
-        Where the EDL or the results cannot be read; missing media or scores are told on the page.
+        Where the EDL or the results cannot be read, or ``out`` may not be written over; missing media or scores
+        are told on the page.
     """
     progress = progress or Silent()
     edl = load(edl_path)
     base = edl_path.parent
+    read = [*inputs_of(edl, edl_path), *([figures_path] if figures_path else [])]
+    output = claim(out, inputs=read, manifest=Manifest.beside(edl_path), force=force)
     evaluation = None if figures_path is None else load_evaluation(figures_path)
     measured, no_scores = _measured(edl, base, progress)
     if anonymous:
@@ -99,7 +107,7 @@ def write_report(
     if anonymous:
         edl, name, lacking = fileless(edl), FILE, Lacking(untold(no_scores), untold(no_pictures), untold(no_figures))
     text = page(edl, name, measured, pictures, steady, lacking)
-    write_atomic(out, text.encode("utf-8", "backslashreplace"))  # names of files need not be text
+    output.write(text.encode("utf-8", "backslashreplace"))  # names of files need not be text
 
 
 def _measured(edl: Edl, base: Path, progress: Progress) -> tuple[Measurements | None, str]:

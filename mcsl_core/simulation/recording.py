@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from mcsl_core.errors import Cancelled, InputError
 from mcsl_core.imaging.planes import Planes
+from mcsl_core.outputs.claim import Output, claim, claim_folder
+from mcsl_core.outputs.manifest import Manifest
 from mcsl_core.progress import Progress
 
 from .clocks import Clock, clocks, frame_counts
@@ -21,10 +23,12 @@ from .scenario import Scenario
 from .scene import Scene
 from .schedule import movement_frames
 from .sound import RATE, Microphone, Room
-from .truth import PoseTruth, Truth, fit_homography, own_frame, rms_distance, save_truth, transfer
+from .truth import ARRAYS, PoseTruth, Truth, fit_homography, own_frame, rms_distance, save_truth, transfer
 
 
-def simulate(scenario: Scenario, out: Path, progress: Progress, recorder: Recorder | None = None) -> Truth:
+def simulate(
+    scenario: Scenario, out: Path, progress: Progress, recorder: Recorder | None = None, *, force: bool = False
+) -> Truth:
     """Simulates a recording and the truth about it.
 
     Parameters
@@ -33,11 +37,13 @@ def simulate(scenario: Scenario, out: Path, progress: Progress, recorder: Record
         What is to be filmed.
     out
         The folder for cam1.mp4, cam2.mp4, ... and truth.json with truth.npz; made if need be. Files of an earlier
-        simulation there are replaced.
+        simulation there are replaced, others are not.
     progress
         Told of the frames.
     recorder
         How the files are written; the kindest way without. The truth is the same.
+    force
+        Replace files of those names that were not simulated, or changed since.
 
     Returns
     -------
@@ -46,10 +52,8 @@ def simulate(scenario: Scenario, out: Path, progress: Progress, recorder: Record
 
     Raises
     ------
-    UsageError
-        Where the recorder cannot write such a scenario.
-    InputError
-        Where ``out`` cannot be written to.
+    UsageError, InputError
+        Where the recorder cannot write such a scenario; where ``out`` cannot be written to, or holds such files.
 
     Notes
     -----
@@ -58,11 +62,10 @@ def simulate(scenario: Scenario, out: Path, progress: Progress, recorder: Record
     Examples
     --------
     >>> truth = simulate(Scenario(seed=1, duration_s=60), Path("recording"), Silent())  # doctest: +SKIP
-    >>> truth.movements  # doctest: +SKIP
-    ((711, 820),)
     """
     out, recorder = Path(out), recorder or Recorder()
     recorder.check(scenario)
+    document, arrays = _claimed(scenario, out, force)
     progress.stage("scene")
     scene = Scene.of(scenario)
     ground = Ground.of(scenario, scene.surface, scene.rig)
@@ -78,8 +81,27 @@ def simulate(scenario: Scenario, out: Path, progress: Progress, recorder: Record
     progress.stage("film", sum(counts), "frames")
     visible = Filming(scene, ground, room, recorder, out).run(progress)
     truth = _truth(scene, recorder, times, counts, visible)
-    save_truth(truth, out)
+    Manifest.inside(out).record(*_films(scenario, out))
+    with document.writing() as document_part, arrays.writing() as arrays_part:  # where the JSON is, all else is
+        save_truth(truth, document_part, arrays_part)
     return truth
+
+
+def _claimed(scenario: Scenario, out: Path, force: bool) -> tuple[Output, Output]:
+    """The truth's files; InputError where one of those to be written into ``out`` is there and was not simulated."""
+    claim_folder(out)
+    manifest = Manifest.inside(out)
+    for film in _films(scenario, out):
+        claim(film, manifest=manifest, force=force)
+    return (
+        claim(out / "truth.json", manifest=manifest, force=force),
+        claim(out / ARRAYS, manifest=manifest, force=force),
+    )
+
+
+def _films(scenario: Scenario, out: Path) -> list[Path]:
+    """The files in ``out`` that are called as the cameras' are, whole or in parts."""
+    return [path for name in scenario.camera_names for path in (*out.glob(f"{name}.*"), *out.glob(f"{name}_*"))]
 
 
 class Filming:

@@ -25,6 +25,7 @@ from .rig import PinholeCamera
 from .scenario import Scenario
 
 SCHEMA = "mcsl.truth/1"
+ARRAYS = "truth.npz"
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -184,8 +185,8 @@ def _normaliser(px: NDArray) -> NDArray:
     return np.array([[1 / spread, 0, -middle[0] / spread], [0, 1 / spread, -middle[1] / spread], [0, 0, 1]])
 
 
-def save_truth(truth: Truth, folder: Path) -> None:
-    """Writes truth.npz, then truth.json: where the JSON is, all else is."""
+def save_truth(truth: Truth, document_file: Path, arrays_file: Path) -> None:
+    """Writes the two files of a truth; `load_truth` looks for the arrays as `ARRAYS` beside the document."""
     arrays: dict[str, NDArray] = {
         "field_points_mm": truth.field_points_mm,
         "visible_field": truth.visible_field,
@@ -193,7 +194,7 @@ def save_truth(truth: Truth, folder: Path) -> None:
     }
     for n, pose in enumerate(truth.poses):
         arrays[f"pose{n}_field_points_px"] = pose.field_points_px
-    np.savez_compressed(folder / "truth.npz", **arrays)  # type: ignore[arg-type]
+    np.savez_compressed(arrays_file, **arrays)  # type: ignore[arg-type]
     scenario = attrs.asdict(truth.scenario, recurse=False)
     scenario["rate"] = str(truth.scenario.rate)
     document = {
@@ -221,9 +222,9 @@ def save_truth(truth: Truth, folder: Path) -> None:
             }
             for n, pose in enumerate(truth.poses)
         ],
-        "arrays": "truth.npz",
+        "arrays": ARRAYS,
     }
-    (folder / "truth.json").write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+    document_file.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
 
 
 def load_truth(path: Path | str) -> Truth:

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 import mcsl_core as mcsl
-from mcsl_core.cli.options import PATH, stage_options
+from mcsl_core.cli.options import FORCE, PATH, stage_options
 from mcsl_core.cli.output import Session
 from mcsl_core.errors import UsageError
 from mcsl_core.hooks.stages import STAGES
@@ -24,6 +24,7 @@ from mcsl_core.timing import parse_rate
 @click.option("--gaze", type=PATH, multiple=True, help="Where viewers looked (CSV): centres that, not the field.")
 @click.option("--no-cache", is_flag=True, help="Neither use nor keep results of stages beside the EDL.")
 @stage_options
+@FORCE
 @click.pass_obj
 def analyse(
     session: Session, recording: tuple[Path, ...], out: Path, rate: str | None, no_cache: bool, **how: Any
@@ -38,8 +39,9 @@ def analyse(
         frames_per_second = parse_rate(rate) if rate else None
     except ValueError as error:
         raise UsageError(f"--rate: {error}") from error
+    force = how.pop("force")
     stages = {stage: name for stage in STAGES if (name := how.pop(stage))}
     settings = mcsl.AnalysisSettings(rate=frames_per_second, cache=not no_cache, stages=stages, **how)
     with session.progress() as progress:
-        made = mcsl.analyse(recording, out, settings=settings, progress=progress)
+        made = mcsl.analyse(recording, out, settings=settings, force=force, progress=progress)
     session.result({"edl": str(out), **summary.summary(made.edl)}, f"{out}: {summary.describe(made.edl)}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from fractions import Fraction
 from math import ceil
 from pathlib import Path
@@ -16,6 +17,7 @@ from mcsl_core.cli.output import Session
 from mcsl_core.edl import Edl, Override
 from mcsl_core.edl.edits import change_look
 from mcsl_core.errors import Fault, UsageError
+from mcsl_core.outputs.locks import changing
 from mcsl_core.timing import FrameRange, format_time
 
 AIDS = ("centering", "fill", "colour")
@@ -25,7 +27,17 @@ def change_file(
     path: Path, *, centre: str | None = None, start: str | None = None, stop: str | None = None, **aids: bool | None
 ) -> Edl:
     """Changes the EDL at ``path`` as the command line says, saves it where that changed it, and returns it."""
-    edl = edls.load(path)
+    if centre is None and all(value is None for value in (start, stop, *aids.values())):
+        return edls.load(path)
+    with changing(path):  # what somebody else writes meanwhile is read first, or comes after
+        edl = edls.load(path)
+        new = _changed(edl, centre, start, stop, aids)
+        if new != edl:
+            edls.save(new, path)
+    return new
+
+
+def _changed(edl: Edl, centre: str | None, start: str | None, stop: str | None, aids: Mapping[str, bool | None]) -> Edl:
     piece = None
     if start is not None or stop is not None:
         if centre is None and all(value is None for value in aids.values()):
@@ -40,10 +52,7 @@ def change_file(
                 f"from {start or '0'} to {stop or 'the end'} there is no frame",
                 remedy=f"The programme lasts {length}; give --from before --to",
             ) from None
-    new = change_look(edl, offset=None if centre is None else _pair(centre), piece=piece, **aids)
-    if new != edl:
-        edls.save(new, path)
-    return new
+    return change_look(edl, offset=None if centre is None else _pair(centre), piece=piece, **aids)
 
 
 def _seconds(text: str) -> Fraction:

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from mcsl_core.cli.options import PATH, allow_outside, audio_option
+from mcsl_core.cli.options import FORCE, PATH, allow_outside, audio_option
 from mcsl_core.cli.output import Session
 
 
@@ -28,6 +28,7 @@ from mcsl_core.cli.output import Session
 @click.option("--jobs", type=click.IntRange(min=1), help="Chunks made at the same time (default: one a core).")
 @click.option("--show-origin", is_flag=True, help="Tint every pixel by its camera (with --engine direct).")
 @click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
+@FORCE
 @audio_option
 @allow_outside
 @click.pass_obj

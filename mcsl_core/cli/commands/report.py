@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 import mcsl_core as mcsl
-from mcsl_core.cli.options import PATH, allow_outside
+from mcsl_core.cli.options import FORCE, PATH, allow_outside
 from mcsl_core.cli.output import Session
 
 
@@ -19,15 +19,15 @@ from mcsl_core.cli.output import Session
     "--anonymous", is_flag=True, help="No names of cameras, files, folders, no remarks; pictures show what they show."
 )
 @click.option("--no-pictures", is_flag=True, help="Leave the pictures out.")
+@FORCE
 @allow_outside
 @click.pass_obj
-def report(session: Session, edl: Path, out: Path, figures: Path | None, anonymous: bool, no_pictures: bool) -> None:
+def report(session: Session, edl: Path, out: Path, figures: Path | None, no_pictures: bool, **how: bool) -> None:
     """Write a page about EDL that is read in a minute.
 
     Cameras, shots, movements, alignment, clocks and steadiness; self-contained, for any browser.
     """
     with session.progress() as progress:
-        mcsl.open(edl).report(
-            out, figures=figures, anonymous=anonymous, with_pictures=not no_pictures, progress=progress
-        )
+        how["with_pictures"] = not no_pictures
+        mcsl.open(edl).report(out, figures=figures, progress=progress, **how)
     session.result({"report": str(out)}, f"{out}: {out.stat().st_size / 1e6:.1f} MB, open it in a browser")

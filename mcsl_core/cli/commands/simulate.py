@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from mcsl_core.cli.options import PATH
+from mcsl_core.cli.options import FORCE, PATH
 from mcsl_core.cli.output import Session
 from mcsl_core.errors import UsageError
 from mcsl_core.timing import parse_rate
@@ -30,8 +30,9 @@ from mcsl_core.timing import parse_rate
 @click.option("--vfr", is_flag=True, help="Variable frame rate: a quarter of the pictures is missing.")
 @click.option("--split", "split_s", type=float, metavar="S", help="A new file every so many seconds.")
 @click.option("--continuing-clock", is_flag=True, help="With --split: the parts' timestamps go on.")
+@FORCE
 @click.pass_obj
-def simulate(session: Session, out: Path, size: str, rate: str, **chosen: Any) -> None:
+def simulate(session: Session, out: Path, size: str, rate: str, force: bool, **chosen: Any) -> None:
     """Make a recording with known truth.
 
     Camera files and truth.json go into the folder OUT.
@@ -53,7 +54,7 @@ def simulate(session: Session, out: Path, size: str, rate: str, **chosen: Any) -
     except ValueError as error:
         raise UsageError(str(error), remedy="See: mcsl simulate --help") from error
     with session.progress() as progress:
-        truth = run(scenario, out, progress, recorder)
+        truth = run(scenario, out, progress, recorder, force=force)
     session.result(
         {"folder": str(out), "frames": truth.frames, "movements": len(truth.movements)},
         f"{out}: {len(truth.cameras)} cameras, {truth.frames} frames, {len(truth.movements)} lamp movements",
