@@ -64,6 +64,8 @@ class ShortestPath:
 class LeastOccluded:
     """The camera that sees most at every sample, whatever the number of switches: the paper's greedy choice.
 
+    It promises no minimum shot length: a shot is as short as a sample, and shorter at the programme's end.
+
     References
     ----------
     The paper's section "Method", the step "Selection".

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import shutil
-import sys
 from pathlib import Path
 
 import pytest
+from fresh_import import fresh_import
 
 from mcsl_core import edl
 from mcsl_core.analysis import pipeline
@@ -129,11 +129,7 @@ def test_a_plugin_that_is_being_written_is_asked_again(
     scored = []
     for share in ("0.5", "0.25"):
         module.write_text(source.replace("0.5", share))
-        sys.modules.pop("halves", None)
-        sys.dont_write_bytecode, before = True, sys.dont_write_bytecode
-        loaded = __import__("halves")
-        sys.dont_write_bytecode = before
-        offered = plugins.discover([(loaded, "halves", "1")])
+        offered = plugins.discover([(fresh_import("halves", monkeypatch), "halves", "1")])
         stages = analyse(recording, out, offered=offered, occlusion="halves")
         assert "Scoring the views" in stages
         scored.append({round(s.score, 2) for s in edl.load(out).shots})

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import attrs
 import pytest
+from fresh_import import fresh_import
 
 from mcsl_core import code_keys
 from mcsl_core.alignment.settings import SolveSettings
@@ -151,7 +152,7 @@ def test_a_plugin_is_asked_by_all_of_its_source_and_what_it_takes_from_mcsl(
     (tmp_path / "halves/__init__.py").write_text(PLUGIN)
     (tmp_path / "halves/beside.py").write_text("X = 1\n")
     monkeypatch.syspath_prepend(str(tmp_path))
-    offered = discover([(__import__("halves"), "halves", "1")], entry_points=False)
+    offered = discover([(fresh_import("halves", monkeypatch), "halves", "1")], entry_points=False)
     ask = {"plugins": offered, "stages": {"occlusion": "halves"}}
     before = keys(**ask)
     assert identity(offered.choose("occlusion", "halves"))[0] == "halves (halves 1)"

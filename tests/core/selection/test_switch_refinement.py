@@ -152,6 +152,26 @@ def movements_in(draw: st.DrawFn, frames: int) -> list[Movement]:
     return [Movement(FrameRange(a, b), 1.0) for a, b in list(pairwise(ends))[::2]]
 
 
+@pytest.mark.parametrize("frames", [56, 99, 100, 101])  # about two minimum shots, and less
+def test_who_promises_a_minimum_keeps_it_and_who_promises_none_is_not_made_worse(frames: int) -> None:
+    """The best camera changes 15 frames before the end: at 25 a second a shot of 0.6 s, if it is shown."""
+    at = np.array([frames - 29, frames - 1])
+    seen = np.array([[0.9, 0.1], [0.1, 0.9]])
+    for usable in (np.ones((2, 2), bool), np.array([[True, False], [False, True]])):  # and by the cameras' gaps
+        table = ScoreTable(at, ("a", "b"), seen, usable)
+        rate = Fraction(25)
+        offers = {offer.name: offer for offer in discover(entry_points=False).offers if offer.stage == "selector"}
+        patient = offers["shortest-path"].checked.select(table, frames=frames, rate=rate)
+        assert [len(s.range) for s in patient] == [frames]
+        assert not hasattr(offers["least-occluded"].implementation, "min_shot_s")
+        greedy = offers["least-occluded"].checked
+        before = greedy.select(table, frames=frames, rate=rate)
+        assert [len(s.range) for s in before] == [frames - 15, 15]
+        for end in (0, -1):
+            moved = moved_switches(before, [], rate, greedy.min_shot_s, lambda _, span, end=end: [*span][end])
+            assert len(with_switches_at(before, tuple(moved))[1].range) >= 15
+
+
 @given(
     tables(),
     selectors(),
@@ -163,7 +183,7 @@ def test_what_a_selector_promises_holds_after_the_refinement(drawn, selector, ra
     """Whatever the pictures say, and wherever the lamp moves."""
     table, frames = drawn
     promised_s = getattr(selector, "min_shot_s", MIN_SHOT_S)
-    promised = getattr(getattr(selector, "does", selector), "min_shot_s", None)
+    promised = getattr(getattr(selector, "implementation", selector), "min_shot_s", None)
     before = selector.select(table, frames=frames, rate=rate)
     movements = data.draw(movements_in(frames))
     # The worst that pictures can do: each switch goes to either end of where it may, or anywhere.
