@@ -7,14 +7,16 @@ warping and plans grow with the programme's size, so a count of them would say n
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
+from functools import wraps
 from threading import Lock
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar, TypeVarTuple
 
 import attrs
 import numpy as np
 from cachetools import LRUCache
 
 T = TypeVar("T")
+Arguments = TypeVarTuple("Arguments")
 
 _LEAST_BYTES = 64  # of anything, so that values without arrays are bounded too
 
@@ -57,3 +59,23 @@ def bytes_of(value: Any) -> int:
     if attrs.has(type(value)):
         return sum(bytes_of(getattr(value, field.name)) for field in attrs.fields(type(value)))
     return 0
+
+
+def kept(method: Callable[[Any, *Arguments], T]) -> Callable[[Any, *Arguments], T]:
+    """A method that works out each answer once. The answers are kept in its object, none is evicted.
+
+    Notes
+    -----
+    `functools.cache` of a bound method holds the object that holds it: the two, and the pictures they refer to, then
+    wait for the garbage collector, which seldom comes to a program that makes few objects and large ones.
+    """
+    name = f"_kept_{method.__name__}"
+
+    @wraps(method)
+    def found(self: Any, *arguments: *Arguments) -> T:
+        answers = self.__dict__.setdefault(name, {})
+        if arguments not in answers:
+            answers[arguments] = method(self, *arguments)
+        return answers[arguments]
+
+    return found

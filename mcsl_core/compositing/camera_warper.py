@@ -5,7 +5,6 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Sequence
 from contextlib import ExitStack, closing
-from functools import cache
 
 import cv2
 import numpy as np
@@ -28,7 +27,7 @@ from mcsl_core.imaging.warp import (
     warp_field_maps,
     warp_planes,
 )
-from mcsl_core.lru_cache import LruCache
+from mcsl_core.lru_cache import LruCache, kept
 
 from .parallax import Parallax
 from .picture_source import PicturePlayer, PictureSource
@@ -76,8 +75,6 @@ class CameraWarper:
         sizes = tuple((camera.name, camera.size) for camera in edl.cameras)
         matrices = tuple(placement_matrix(edl, pose, name) for pose in edl.poses for name, _ in sizes)
         self.geometry = hash((edl.size, edl.rate, edl.reference, sizes, self.still, matrices))
-        self._edges: LruCache[WarpField | None] = LruCache(_EDGES_BYTES)
-        self.others, self._placement = cache(self._others), cache(self._find_placement)
         self._forget()
         self._stack = ExitStack()
         self._players: dict[str, PicturePlayer] = {}
@@ -94,6 +91,7 @@ class CameraWarper:
         self.patches: LruCache[Planes | None] = LruCache(round(larger * _PICTURES_BYTES))
         self._maps: LruCache[RemapTables] = LruCache(round(larger * _MAPS_BYTES))
         self._medians: LruCache[list[U8] | None] = LruCache(round(larger * _MEDIANS_BYTES))
+        self._edges: LruCache[WarpField | None] = LruCache(_EDGES_BYTES)
 
     def own_picture(self, camera: str, frame: int) -> Planes | None:
         """The camera's own picture at programme frame ``frame``, decoded once; None where it has none."""
@@ -113,7 +111,8 @@ class CameraWarper:
         """Whether it is known where the camera's picture lies in pose ``pose_index``."""
         return self._placement(pose_index, camera)[1]
 
-    def _others(self, pose_index: int, camera: str) -> tuple[str, ...]:
+    @kept
+    def others(self, pose_index: int, camera: str) -> tuple[str, ...]:
         """The cameras that may stand in for ``camera`` in a pose: the reference, then by nearness of viewpoint."""
         front, size = self._placement(pose_index, camera)[0], self.edl.camera(camera).size
         known = [c.name for c in self.edl.cameras if c.name != camera and self.is_placed(pose_index, c.name)]
@@ -250,7 +249,8 @@ class CameraWarper:
         matrix, known = self._placement(pose_index, camera)
         return translation(*offset) @ matrix if known else matrix
 
-    def _find_placement(self, pose_index: int, camera: str) -> tuple[Homography, bool]:
+    @kept
+    def _placement(self, pose_index: int, camera: str) -> tuple[Homography, bool]:
         """Where a camera's picture lies before centering, and whether that is known."""
         pose = self.edl.poses[pose_index]
         matrix = programme_matrix(self.edl, pose, camera)

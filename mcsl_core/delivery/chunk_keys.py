@@ -14,7 +14,6 @@ from __future__ import annotations
 import hashlib
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +40,7 @@ from mcsl_core.edl.resolve import Decision, resolve_by_pose, shift_at
 from mcsl_core.errors import MediaError
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.protocol import Filler
+from mcsl_core.lru_cache import kept
 from mcsl_core.media.fingerprint import FORMER, fingerprint
 from mcsl_core.media.probing import conversions_of
 from mcsl_core.timing import FrameRange, merge_equal
@@ -151,12 +151,6 @@ class _Facts:
 
     def __init__(self, edl: Edl, base: Path) -> None:
         self.edl, self.base = edl, base
-        self._fixed, self._filled = cache(self._fixed_now), cache(self._filled_now)
-        self._files, self._beside, self._bounds = (
-            cache(self._files_now),
-            cache(self._beside_now),
-            cache(self._bounds_now),
-        )
 
     def of(self, part: FrameRange, decision: Decision, pose_index: int) -> str:
         fixed = self._fixed(attrs.evolve(decision, overridden=False), pose_index)
@@ -166,11 +160,13 @@ class _Facts:
         offsets = self._bounds(pose_index) if keyed else (shift_at(self.edl, decision, part.start),)
         return fixed + self._filled(pose_index, offsets)
 
-    def _bounds_now(self, pose_index: int) -> tuple[Offset, Offset]:
+    @kept
+    def _bounds(self, pose_index: int) -> tuple[Offset, Offset]:
         """Of all of a pose, as one answer for all its shots."""
         return offset_bounds(self.edl, self.edl.poses[pose_index].range)
 
-    def _fixed_now(self, decision: Decision, pose_index: int) -> str:
+    @kept
+    def _fixed(self, decision: Decision, pose_index: int) -> str:
         """What the decision itself says, and the cameras that may be looked at at the frame's own time."""
         views = views_of(self.edl, self.edl.poses[pose_index], decision)
         shift = decision.offset if decision.centering and decision.offset else decision.centering
@@ -185,14 +181,16 @@ class _Facts:
             }
         )
 
-    def _filled_now(self, pose_index: int, offsets: tuple[Offset, ...]) -> str:
+    @kept
+    def _filled(self, pose_index: int, offsets: tuple[Offset, ...]) -> str:
         """Where the fill may look beside the frame itself; at other poses only where this one leaves something open."""
         pose = self.edl.poses[pose_index]
         still = still_range(self.edl, pose)
         others = poses_filled_from(self.edl, pose_index, alone=fully_covered(self.edl, pose, offsets))
         return _digest([[still.start, still.stop], *(self._beside(other) for other in others)])
 
-    def _beside_now(self, pose_index: int) -> list[Any]:
+    @kept
+    def _beside(self, pose_index: int) -> list[Any]:
         seen = fill_views(self.edl, pose_index)
         places = {view.camera.name: view.placement for view in seen.views}
         colours = {view.camera.name: view.colour for view in seen.views if view.colour is not None}
@@ -201,7 +199,8 @@ class _Facts:
     def _source(self, view: View) -> list[Any]:
         return [view.camera.name, self._files(view.camera.name), list(view.camera.size), view.clock, view.gaps]
 
-    def _files_now(self, name: str) -> list[str]:
+    @kept
+    def _files(self, name: str) -> list[str]:
         camera = self.edl.camera(name)
         return [
             *media_fingerprints(camera, self.base),

@@ -6,6 +6,8 @@ import struct
 from math import atan2, degrees
 from typing import Any
 
+from av.sidedata.sidedata import SideDataContainer
+
 
 def orientation_of(frame: Any) -> tuple[int, bool]:
     """What the display matrix of a decoded frame says, from the container or from the stream's own messages (SEI).
@@ -15,7 +17,8 @@ def orientation_of(frame: Any) -> tuple[int, bool]:
     rotation, mirrored
         Degrees counter-clockwise, a multiple of 90; whether the coded picture is mirrored, left to right, before that.
     """
-    found = frame.side_data.get("DISPLAYMATRIX")
+    # Not `frame.side_data`: that is kept in the frame and refers to it, and the two wait for the garbage collector.
+    found = SideDataContainer(frame).get("DISPLAYMATRIX")  # pyright: ignore[reportCallIssue] its stub lacks the argument
     if found is None:
         return 0, False
     # Sixteen-bit fixed-point numbers a, b, u, c, d, v, x, y, w: a coded pixel right goes (a, b), one down goes (c, d).

@@ -91,10 +91,11 @@ class Decoder:
         self.damaged = False  # whether what was asked for last is in a file, but not whole
 
     def close(self) -> None:
-        """Closes the file that is open."""
+        """Closes the file that is open, and lets go of its frames."""
         if self._reader is not None:
             self._reader.close()
         self._reader, self._part = None, None
+        self._pictures, self._now, self._next = iter(()), None, None
 
     def _enter(self, camera_s: Fraction) -> Fraction | None:
         """Opens the file of ``camera_s``; its own time then, or None without picture."""
@@ -105,7 +106,6 @@ class Decoder:
         if part is not self._part:
             self.close()
             self._part, self._reader = part, VideoReader(part.facts, threads=self._threads, skip=self._skip)
-            self._pictures, self._now, self._next = iter(()), None, None
         return file_time
 
     def at(self, camera_s: Fraction) -> DecodedFrame | None:

@@ -1,16 +1,18 @@
-"""The cache in memory: bounded by bytes, the least recently used goes first."""
+"""The cache in memory: bounded by bytes, the least recently used goes first; and what objects keep for themselves."""
 
 from __future__ import annotations
 
+import weakref
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from attrs import frozen
+from cycles import left_in_cycles
 from hypothesis import given
 from hypothesis import strategies as st
 
 from mcsl_core.imaging.planes import black
-from mcsl_core.lru_cache import LruCache, bytes_of
+from mcsl_core.lru_cache import LruCache, bytes_of, kept
 
 
 def array(size: int) -> np.ndarray:
@@ -77,3 +79,37 @@ def test_bytes_are_those_of_the_arrays_however_deep() -> None:
     assert bytes_of(Plan("x", (array(3), array(4)), {"y": [array(5)]})) == 12
     assert bytes_of(black((8, 6))) == 72
     assert bytes_of("text") == bytes_of(None) == 0
+
+
+class Sums:
+    def __init__(self) -> None:
+        self.made: list[tuple[int, int]] = []
+
+    @kept
+    def of(self, a: int, b: int) -> int:
+        self.made.append((a, b))
+        return a + b
+
+    @kept
+    def next(self, a: int, b: int) -> int:
+        return self.of(a, b) + 1
+
+
+def test_what_is_kept_is_worked_out_once_an_object() -> None:
+    one, other = Sums(), Sums()
+    assert [one.of(1, 2), one.of(2, 1), one.of(1, 2), one.next(1, 2), one.next(1, 2)] == [3, 3, 3, 4, 4]
+    assert (one.made, other.made) == ([(1, 2), (2, 1)], [])
+
+
+def test_what_is_kept_goes_with_its_object() -> None:
+    gone: list[weakref.ref[Sums]] = []
+
+    def use() -> None:
+        sums = Sums()
+        sums.next(1, 2)
+        gone.append(weakref.ref(sums))
+        del sums
+        assert gone[0]() is None
+
+    left_in_cycles(use)  # in which the collector rests
+    assert gone

@@ -1,11 +1,13 @@
 """Programme frames against an oracle that resamples one pixel at a time in float64, sharing no code with them."""
 
+import weakref
 from fractions import Fraction
 
 import attrs
 import cv2
 import numpy as np
 import pytest
+from cycles import left_in_cycles
 from pictures import psnr
 
 from mcsl_core.alignment.colour_match import as_matrix
@@ -203,6 +205,23 @@ def test_only_the_cameras_needed_are_opened(tmp_path):
     assert len(compose(edl, tmp_path)) == 6
     filled = attrs.evolve(edl, look=Look(centering=False, fill=True, colour=True))
     assert len(compose(filled, tmp_path)) == 6  # the reference covers its own frame: nobody else is asked
+
+
+def test_a_closed_compositor_holds_nothing(tmp_path):
+    edl = make(tmp_path, shots=(Shot(FrameRange(0, 6), "b"),), look=Look(centering=False, fill=True, colour=False))
+    held = []
+
+    def run():
+        footage = Footage(edl.cameras, rate=edl.rate, frames=edl.frames, base=tmp_path)
+        with Compositor(edl, footage) as compositor:
+            held.extend(map(weakref.ref, (compositor, compositor._warper, footage)))
+            for _ in compositor.frames(FrameRange(0, 3)):
+                pass
+        del compositor, footage
+        assert [one() for one in held] == [None] * 3
+
+    assert left_in_cycles(run) == set()
+    assert held
 
 
 def test_fill_takes_the_reference_where_the_camera_does_not_reach(tmp_path):

@@ -16,6 +16,7 @@ import attrs
 import av
 import numpy as np
 import pytest
+from cycles import left_in_cycles
 from two_cameras import CLICK_S, EXPECTED, FRAMES, click_track, make, shown
 
 from mcsl_core import edl as document
@@ -25,6 +26,7 @@ from mcsl_core.delivery.quality import DRAFT, FINE, STANDARD
 from mcsl_core.delivery.source import ProgrammeSource
 from mcsl_core.edl import Clock, Look, Override, Shot
 from mcsl_core.errors import Cancelled, InputError, UsageError
+from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.paper import PaperFiller
 from mcsl_core.progress import Silent
 from mcsl_core.timing import FrameRange
@@ -62,6 +64,18 @@ def test_an_override_makes_one_chunk_and_prune_removes_the_old(sources, tmp_path
     assert third.made == 0
     ours = {"mcsl-outputs.json", second.audio.name, *(c.name for c in second.chunks)}
     assert {p.name for p in tmp_path.iterdir()} == {"notes.txt", *ours}
+
+
+@pytest.mark.parametrize("filler", [FootprintFiller(), PaperFiller()])
+def test_what_chunks_are_made_with_is_freed_with_them(sources, tmp_path, filler):
+    """Else the memory of a long recording grows until Python's garbage collector happens to come."""
+    shutil.copytree(sources, tmp_path / "sources")  # files that nothing is known of yet
+    edl = make(look=Look(centering=True, fill=True, colour=True))
+
+    def run():
+        assert conform(ProgrammeSource(edl, tmp_path / "sources", filler), tmp_path / "out", jobs=2).made == 5
+
+    assert left_in_cycles(run) == set()
 
 
 class StopsAfter(Silent):

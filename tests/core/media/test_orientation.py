@@ -6,6 +6,7 @@ import av
 import numpy as np
 import pytest
 from coded_video import DATA
+from cycles import left_in_cycles
 from turned_video import ON_ITS_SIDE, ONE, SIZE, UPRIGHT, marked_picture, write_turned
 
 from mcsl_core.imaging.planes import planes_to_bgr
@@ -42,6 +43,12 @@ def test_every_orientation_is_shown_as_the_matrix_says(tmp_path, matrix, suffix)
     assert off[..., 2].max() < 60
     wrong = np.abs(picture[:, ::-1].astype(int) - expected)
     assert wrong.mean() > 12
+
+
+def test_a_picture_that_was_looked_at_is_freed_at_once(tmp_path):
+    """PyAV keeps a frame's side data in the frame, and the frame in the side data."""
+    path = write_turned(tmp_path / "a.mp4", ON_ITS_SIDE[0])
+    assert left_in_cycles(lambda: probe(path)) == set()
 
 
 def test_a_turn_in_the_stream_itself_is_obeyed(tmp_path):

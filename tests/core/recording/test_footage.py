@@ -1,6 +1,7 @@
 """Pictures by programme time: numbers drawn into the pictures say which one came, the clock says which should."""
 
 import math
+import sys
 import threading
 from fractions import Fraction
 from pathlib import Path
@@ -14,6 +15,7 @@ from mcsl_core.edl import Camera, Clock, Media
 from mcsl_core.imaging.planes import bgr_to_planes, planes_to_bgr
 from mcsl_core.media.probing import probe
 from mcsl_core.media.reading import VideoReader
+from mcsl_core.recording.decoder import Decoder
 from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.keyframe_sampling import sample_cameras
 from mcsl_core.timing import FrameRange
@@ -44,6 +46,16 @@ def test_any_piece_has_the_right_pictures(tmp_path, suffix, rate, options):
     assert numbers(f.planes("a", FrameRange(0, 90))) == [*range(80), *[None] * 10]
     for start in (1, 23, 24, 25, 26, 49, 50, 51, 77, 79):
         assert numbers(f.planes("a", FrameRange(start, min(start + 3, 80)))) == list(range(start, min(start + 3, 80)))
+
+
+def test_a_closed_decoder_holds_no_frame(tmp_path):
+    f = footage(camera("a", write_coded(tmp_path / "a.mp4", range(20))))
+    decoder = Decoder(f.parts("a"), threads=1)
+    shown = [f.shown("a", decoder, frame) for frame in (0, 1)]
+    decoder.close()
+    assert all(sys.getrefcount(one.frame) == 2 for one in shown)  # what was handed out, and the call's own
+    assert read_number(f.full_picture("a", f.shown("a", decoder, 5)).y) == 5  # opened anew
+    decoder.close()
 
 
 def test_pictures_at_random_rising_frames(tmp_path):
