@@ -44,7 +44,7 @@ def test_a_correction_goes_into_the_edl_shows_again_and_can_be_taken_back(built,
     once = path.read_bytes()
     assert pull_overrides(built, blender=blender) == new
     assert path.read_bytes() == once
-    build_timeline(path, built, blender=blender)  # a timeline made from it shows it
+    build_timeline(path, built, blender=blender, force=True)  # a timeline made from it shows it
     shown = in_blender(blender, built, CAMERAS + '        out = [stands(camera("cam3", n)) for n in (0, 30)]')
     assert shown[0] == pytest.approx([0, 0, 1, 1, 0], abs=1e-6)
     assert shown[1] == pytest.approx(set_to, abs=1e-5)

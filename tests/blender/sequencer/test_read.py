@@ -143,7 +143,7 @@ def test_analysing_again_keeps_the_decisions_and_an_old_timeline_adds_no_others(
     again = attrs.evolve(old, shots=(Shot(R(0, 33), "cam2"), Shot(R(33, FRAMES), "cam1")), overrides=())
     edls.save(carry_over(old, again), path)
     assert pull_overrides(built, blender=blender).overrides == old.overrides
-    build_timeline(path, built, blender=blender)
+    build_timeline(path, built, blender=blender, force=True)
     assert pull_overrides(built, blender=blender).overrides == old.overrides
 
 
@@ -239,7 +239,7 @@ def test_a_centre_by_hand_is_keyed_and_moved_keys_are_told_of(built, blender):
         KEPT,
         Override(R(20, 40), offset=(12.0, -8.0)),
     )
-    build_timeline(built.parent / "edl.json", built, blender=blender)
+    build_timeline(built.parent / "edl.json", built, blender=blender, force=True)
     code = """
         strip = next(s for s in strips if s.type == "ADJUSTMENT")
         out = []
