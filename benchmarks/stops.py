@@ -27,7 +27,7 @@ MCSL = (sys.executable, "-m", "mcsl_core.cli", "--progress", "lines")
 FIRST_S = 0.15  # before Python has begun to run mcsl, it ends by the signal itself
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 COMMANDS = {
-    "simulate": ("simulate", "made", "--duration", "20", "--size", "640x360"),
+    "simulate": ("simulate", "made", "--duration", "12", "--size", "320x180", "--rate", "10"),
     "analyse": ("analyse", "rec", "-o", "new.json"),
     "analyse --no-cache": ("analyse", "rec", "-o", "new.json", "--no-cache"),
     "conform": ("conform", "edl.json", "-o", "conformed"),
@@ -91,7 +91,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def prepare(folder: Path) -> None:
     """A recording and its EDL."""
     for command in (
-        ("simulate", "rec", "--duration", "20", "--size", "640x360", "--rate", "15"),
+        ("simulate", "rec", "--duration", "12", "--size", "320x180", "--rate", "10"),
         ("analyse", "rec", "-o", "edl.json"),
     ):
         subprocess.run([*MCSL, *command], cwd=folder, check=True, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)

@@ -1,7 +1,7 @@
 """Hidden files and folders that work is written into before it has its name, and the end of those of killed runs.
 
 Their names hold the machine and the process that made them, so that a later run can tell what nobody works at any more
-from what another run is writing just now.
+from what another run is writing just now. A run that has no time to end in order deletes its own itself.
 """
 
 from __future__ import annotations
@@ -22,8 +22,9 @@ from typing import BinaryIO, cast
 
 _FILE = re.compile(r"\.mcsl-([0-9a-f]{6})-(\d+)-[0-9a-f]{8}\.tmp(?:\.\w+)?")
 _FOLDER = re.compile(r"mcsl-[a-z]+-([0-9a-f]{6})-(\d+)-\w+")
-_FORMER = re.compile(r"\.mcsl-[0-9a-f]{16}\.tmp")  # what versions before the owner's name wrote
+_FORMER = re.compile(r"\.mcsl-[0-9a-f]{16}\.tmp|blender-env\.part-\w{8}")  # of versions before the owner's name
 _STALE_S = 24 * 3600  # of what another machine made: nothing writes for a day without a byte arriving
+_own: set[Path] = set()  # every name that this process has given out
 
 
 @cache
@@ -41,7 +42,9 @@ def temporary_beside(path: Path, suffix: str = "") -> Path:
 
     suffix: for programs that choose a format by it, such as ``.blend``.
     """
-    return path.with_name(f".mcsl-{_machine()}-{os.getpid()}-{secrets.token_hex(4)}.tmp{suffix}")
+    name = path.with_name(f".mcsl-{_machine()}-{os.getpid()}-{secrets.token_hex(4)}.tmp{suffix}")
+    _own.add(name.absolute())
+    return name
 
 
 @contextlib.contextmanager
@@ -54,13 +57,8 @@ def temporary_folder(kind: str) -> Iterator[Path]:
             shutil.rmtree(path, ignore_errors=True)
     prefix = f"mcsl-{kind}-{_machine()}-{os.getpid()}-"
     with tempfile.TemporaryDirectory(prefix=prefix, ignore_cleanup_errors=True) as name:
+        _own.add(Path(name))
         yield Path(name)
-
-
-def remove_own() -> None:
-    """Deletes this process's temporary folders, where it cannot leave them in order."""
-    for path in _matching(Path(tempfile.gettempdir()), f"mcsl-*-{_machine()}-{os.getpid()}-*"):
-        shutil.rmtree(path, ignore_errors=True)
 
 
 def open_private(path: Path, mode: str, buffering: int = -1) -> BinaryIO:
@@ -76,14 +74,24 @@ def private_folder(folder: Path) -> None:
 
 def sweep(folder: Path) -> None:
     """Deletes what killed runs left half-written in ``folder``; what another run is writing stays."""
-    for path in _matching(folder, ".mcsl-*"):
+    for path in [*_matching(folder, ".mcsl-*"), *_matching(folder, "blender-env.part-*")]:
         if match := _FILE.fullmatch(path.name):
             gone = _is_abandoned(path, *match.groups())
         else:
             gone = _FORMER.fullmatch(path.name) is not None and _is_old(path)
         if gone:
-            with contextlib.suppress(OSError):
-                shutil.rmtree(path) if path.is_dir() else path.unlink()
+            _delete(path)
+
+
+def remove_own() -> None:
+    """Deletes what this process has half-written, other threads' too: for who ends at once."""
+    for path in tuple(_own):
+        _delete(path)
+
+
+def _delete(path: Path) -> None:
+    with contextlib.suppress(OSError):
+        shutil.rmtree(path, ignore_errors=True) if path.is_dir() else path.unlink()
 
 
 def _matching(folder: Path, pattern: str) -> list[Path]:

@@ -13,7 +13,6 @@ import re
 import shutil
 import subprocess
 import sys
-import tempfile
 from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -24,6 +23,7 @@ from attrs import frozen
 
 from mcsl_core.errors import BlenderError, McslError, UsageError
 from mcsl_core.progress import Progress, Silent
+from mcsl_core.temporary import sweep, temporary_beside
 
 from .children import ended_afterwards
 
@@ -288,12 +288,13 @@ def install(progress: Progress | None = None, version: str | None = None) -> Ble
         raise UsageError(f"there is no Blender {version} to install", remedy=f"Take one of {', '.join(sorted(WHEELS))}")
     own = private_python(version)
     target = own.parents[1]
+    sweep(target.parent)
     if own.exists():
         progress.note(f"{target} is there already; delete it to make it anew")
         return _probe(str(own), PRIVATE)
     python, number, requirement = _python_with_wheel(UNASKED if version is None else (version,))
     home().mkdir(parents=True, exist_ok=True)
-    part = Path(tempfile.mkdtemp(prefix="blender-env.part-", dir=home()))
+    part = temporary_beside(target)
     try:
         progress.stage(f"making an environment with Python {number}")
         _call([python, "-m", "venv", str(part)], progress.note)

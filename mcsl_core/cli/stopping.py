@@ -3,7 +3,7 @@
 The first signal raises KeyboardInterrupt in the main thread, which leaves every file whole and every child ended. But
 Python hears a signal only between two of its own steps, and other threads not at all: preparing a fill, fitting poses
 or opening a file on a sleeping disk can take ten seconds. So a thread of its own hears it too, leaves the orderly way
-1.5 s, and then removes what is half-written, ends the children, and the process.
+1.5 s, and then ends the children, removes what is half-written, and ends the process.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ import signal
 import sys
 import threading
 from collections.abc import Callable
-from pathlib import Path
 from types import FrameType
 from typing import Any
 
@@ -133,21 +132,14 @@ def _watch(hear: int) -> None:
     _end()
 
 
-def _unlink_half_written() -> None:
-    """Deletes the hidden files that this process is still writing to; where there is no /proc the next run does."""
-    for place in Path("/proc/self/fd").glob("*"):
-        with contextlib.suppress(OSError):
-            path = Path(os.readlink(place))
-            if path.name.startswith(".") and {".part", ".tmp"} & set(path.suffixes):
-                path.unlink()
-
-
 def _end() -> None:
-    _unlink_half_written()
-    for name, ending in (("mcsl_core.blender.children", "end_all"), ("mcsl_core.temporary", "remove_own")):
-        if (module := sys.modules.get(name)) is not None:
-            with contextlib.suppress(Exception):
-                getattr(module, ending)()
+    # Not above: what is imported before signals are heard is little. Children first: they write into our files.
+    from mcsl_core.blender.children import end_all
+    from mcsl_core.temporary import remove_own
+
+    for ending in (end_all, remove_own):
+        with contextlib.suppress(Exception):
+            ending()
     if sys.stderr is not None and sys.stderr.isatty():
         os.write(2, b"\r\x1b[?25h\n")  # the bar hid the cursor
     tell_once()

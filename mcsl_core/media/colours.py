@@ -9,7 +9,6 @@ docs/explanation/pictures.md.
 
 from __future__ import annotations
 
-import tempfile
 import threading
 from functools import lru_cache
 from itertools import product
@@ -23,6 +22,7 @@ from av.video.reformatter import Colorspace, VideoReformatter
 from numpy.typing import NDArray
 
 from mcsl_core.errors import MediaError
+from mcsl_core.temporary import temporary_folder
 
 BT709 = 1  # the same number for primaries, transfer and matrix
 LIMITED, FULL = 1, 2  # AVCOL_RANGE_MPEG, AVCOL_RANGE_JPEG
@@ -147,8 +147,8 @@ def _graph(wide: WideColours, width: int, height: int) -> Graph:
     if getattr(_per_thread, "key", None) != key:
         graph = Graph()
         source = f"video_size={width}x{height}:pix_fmt=gbrp10le:time_base=1/1000:colorspace=0:range={FULL}"
-        with tempfile.TemporaryDirectory(prefix="mcsl-") as folder:  # it reads its table from a file, once
-            file = Path(folder) / "table.cube"
+        with temporary_folder("colours") as folder:  # it reads its table from a file, once
+            file = folder / "table.cube"
             file.write_text(_cube(wide), encoding="ascii")
             nodes = [graph.add("buffer", source), graph.add("lut3d", file=str(file), interp="tetrahedral")]
             graph.link_nodes(*nodes, graph.add("buffersink")).configure()

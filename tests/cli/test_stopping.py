@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from mcsl_core.temporary import temporary_beside
+
 ROOT = Path(__file__).parents[2]
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
 
@@ -93,13 +95,24 @@ def test_children_and_those_of_sessions_of_their_own_end_with_it():
         assert is_gone(number)
 
 
-@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="no /proc here: the next run sweeps")
-def test_what_is_half_written_goes_with_it(tmp_path):
-    (tmp_path / "film.mp4").write_bytes(b"whole")
-    names = [".film.mp4.x1.part", ".mcsl-0-0-0.tmp.mp4", ".mcsl-0.tmp", "of somebody.tmp"]
-    opened = f"kept = [open(os.path.join({str(tmp_path)!r}, name), 'wb') for name in {names!r}]"
-    assert stopped(start(BEGUN, opened, DEAF), signal.SIGTERM) == (130, "mcsl: stopped\n")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["film.mp4", "of somebody.tmp"]
+def test_what_is_half_written_goes_with_it(tmp_path, monkeypatch):
+    """What this process was given a name for, in whatever folder and thread, and nothing that others write."""
+    monkeypatch.setenv("TMPDIR", str(tmp_path / "tmp"))
+    theirs = ["film.mp4", ".film.mp4.part", temporary_beside(tmp_path / "film.mp4", ".mp4").name, "tmp", "tmp/mcsl-a-b"]
+    for name in theirs:
+        (tmp_path / name).write_bytes(b"theirs") if name != "tmp" else (tmp_path / name).mkdir()
+    monkeypatch.chdir(tmp_path)
+    begun = [
+        "from mcsl_core.temporary import temporary_beside, temporary_folder; from pathlib import Path",
+        "film = open(temporary_beside(Path('film.mp4'), '.mp4'), 'wb'); film.write(b'half of it'); film.flush()",
+        "made = temporary_beside(Path('plugin')); (made / 'src').mkdir(parents=True)",
+        "closed = temporary_beside(Path('tmp/film.wav')); closed.write_bytes(b'half of it')",
+        "room = temporary_folder('render'); (room.__enter__() / 'a').write_bytes(b'half of it'); os.chdir('/')",
+    ]
+    child = start(BEGUN, *begun, DEAF)
+    assert len(list(tmp_path.rglob("*"))) == len(theirs) + 6
+    assert stopped(child, signal.SIGTERM) == (130, "mcsl: stopped\n")
+    assert sorted(path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*")) == sorted(theirs)
 
 
 def is_gone(process: int) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import subprocess
 import sys
 import threading
 import time
@@ -15,6 +16,7 @@ from mcsl_core.blender.child import run_task
 from mcsl_core.blender.messages import ReadRequest
 from mcsl_core.errors import BlenderError, Cancelled, UsageError
 from mcsl_core.progress import Silent
+from mcsl_core.temporary import temporary_beside
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="the stand-ins are shell scripts")
 
@@ -196,3 +198,25 @@ def test_a_failed_install_leaves_nothing(tmp_path, monkeypatch):
     with pytest.raises(BlenderError, match="pip has no network"):
         blender.install(version="5.0")
     assert list((tmp_path / "home").iterdir()) == []
+
+
+def test_the_next_install_removes_what_a_killed_one_left(tmp_path):
+    home = tmp_path / "home"
+    dead = "import sys; from pathlib import Path; from mcsl_core.temporary import temporary_beside"
+    lines = f"{dead}; (temporary_beside(Path({str(home / 'blender-env')!r})) / 'bin').mkdir(parents=True)"
+    subprocess.run(
+        [sys.executable, "-c", lines], check=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    )
+    long_ago, now = (
+        home / "blender-env.part-a_b1c2d3",
+        home / "blender-env.part-a_b1c2d4",
+    )  # as earlier versions named them
+    for folder in (long_ago, now, temporary_beside(home / "blender-env"), home / "blender-env-4.5"):
+        folder.mkdir()
+    os.utime(long_ago, (0, 0))
+    python_with_bpy(blender.private_python())
+    blender.install()
+    ours = [path.name for path in home.iterdir() if path.name.startswith(".mcsl-")]
+    assert len(ours) == 1, "another install is at work on it"
+    assert f"-{os.getpid()}-" in ours[0]
+    assert {path.name for path in home.iterdir()} - set(ours) == {"blender-env", "blender-env-4.5", now.name}
