@@ -5,11 +5,15 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parent.parent / "mcsl_core"
 MARKER = "<!-- Below this line: written by docs/generate.py from mcsl_core/hooks/specs.py. -->"
+
+
+# Methods of values that are handed over, which only mcsl's own stages ask: they tell of what went on before.
+INTERNAL = {("Footage", "damage_met")}
 
 
 class Described:
@@ -73,6 +77,20 @@ def names_in(node: ast.AST | None) -> list[str]:
 
 def is_property(function: ast.FunctionDef) -> bool:
     return any(ast.unparse(d) in ("property", "cached_property") for d in function.decorator_list)
+
+
+@cache
+def exported() -> frozenset[str]:
+    """The names that a plugin may import: `__all__` of mcsl_core.hooks."""
+    values = {ast.unparse(n.targets[0]): n.value for n in module_ast("hooks").body if isinstance(n, ast.Assign)}
+    return frozenset(ast.literal_eval(values["__all__"]))
+
+
+def is_for_plugins(value: Described, function: ast.FunctionDef) -> bool:
+    """Whether a plugin's author can use a method: all classes of mcsl in its signature come from mcsl_core.hooks."""
+    taken = (name for part in (function.args, function.returns) for name in names_in(part))
+    hidden = any(value.find(name) is not None and name not in exported() for name in taken)
+    return not hidden and (value.node.name, function.name) not in INTERNAL
 
 
 def signature(function: ast.FunctionDef) -> str:
@@ -168,7 +186,7 @@ class Reference:
         for value in sorted(self.handed.values(), key=lambda v: (v.node.name, v.module)):
             self.parts.append(f"#### {value.node.name}\n\n{document(value.node)}\n")
             lines = list(value.fields())
-            for function in value.functions():
+            for function in filter(partial(is_for_plugins, value), value.functions()):
                 if is_property(function):
                     lines.append(f"{function.name}: {ast.unparse(function.returns) if function.returns else 'object'}")
                 else:

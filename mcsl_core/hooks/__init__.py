@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView
     from mcsl_core.alignment.correspondences import Correspondences
     from mcsl_core.alignment.protocol import Aligner, Alignment, Features, Matcher
+    from mcsl_core.arrays import read_arrays
     from mcsl_core.centering.protocol import Centerer, FieldPosition
     from mcsl_core.documents import make_converter, read_toml, structure_document, write_atomic
     from mcsl_core.edl import CenteringKey, Movement, Shot, Weak
@@ -80,6 +81,7 @@ __all__ = [
     "hookimpl",
     "main_region",
     "make_converter",
+    "read_arrays",
     "read_toml",
     "sample_borders",
     "shots_from",
@@ -96,6 +98,7 @@ __getattr__, __dir__ = lazy_names(
         "mcsl_core.alignment.aligned_views": ("AlignedPose", "AlignedView"),
         "mcsl_core.alignment.correspondences": ("Correspondences",),
         "mcsl_core.alignment.protocol": ("Aligner", "Alignment", "Features", "Matcher"),
+        "mcsl_core.arrays": ("read_arrays",),
         "mcsl_core.centering.protocol": ("Centerer", "FieldPosition"),
         "mcsl_core.documents": ("make_converter", "read_toml", "structure_document", "write_atomic"),
         "mcsl_core.edl": ("CenteringKey", "Movement", "Shot", "Weak"),

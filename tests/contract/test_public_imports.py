@@ -63,3 +63,11 @@ def test_all_that_the_page_describes_comes_from_the_hooks() -> None:
     described = set(re.findall(r"^#### (\w+)$", reference, re.MULTILINE))
     assert len(described) > 20
     assert described <= set(mcsl_core.hooks.__all__)
+
+
+def test_the_page_lists_no_method_that_a_plugin_cannot_call() -> None:
+    """What takes or gives a class that the hooks do not have, as a decoder, and what only mcsl's own stages ask."""
+    reference = PAGE.read_text("utf-8").partition("<!-- Below this line")[2]
+    listed = set(re.findall(r"\w+", "".join(re.findall(r"```python\n(.*?)```", reference, re.DOTALL))))
+    assert {"has_gap", "pictures", "planes", "median"} <= listed
+    assert not {"Decoder", "DecodedFrame", "Part", "Player", "SoundTrack", "shown_near", "damage_met"} & listed

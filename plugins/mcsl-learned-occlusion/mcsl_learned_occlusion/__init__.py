@@ -132,7 +132,10 @@ def _loaded(path: Path, fingerprint: str) -> Model:
 
 def fingerprint(path: Path) -> str:
     """Of the file's content; empty where there is none."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()[:24] if path.is_file() else ""
+    if not path.is_file():
+        return ""
+    with path.open("rb") as file:  # by pieces: what is named may be no model, and of any size
+        return hashlib.file_digest(file, "sha256").hexdigest()[:24]
 
 
 @hookimpl

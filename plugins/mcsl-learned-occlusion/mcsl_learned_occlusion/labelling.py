@@ -24,6 +24,7 @@ from mcsl_core.hooks import (
     FrameRange,
     InputError,
     Progress,
+    read_arrays,
     size_at_columns,
     write_atomic,
 )
@@ -37,6 +38,7 @@ PAINT: Mapping[str, tuple[int, int, int]] = {
     "in the way": (0, 0, 255),
     "elsewhere": (255, 0, 0),
 }
+_REMEDY = "Export the frames again with `mcsl-label export`"
 TOLERANCE = 40  # levels: what an editor's colour profile may do to a pure colour
 HEIGHT, COLUMNS = 360, 480  # of the pictures and of the aligned pose that detectors see
 STRETCH_S = 180.0  # a window in which a view's usual look is taken from
@@ -215,9 +217,8 @@ def _marked(painted: Path, picture: Path, context: Path, name: str) -> Marked:
             where=str(painted),
             remedy="Paint with pure green, red and blue; see the README of mcsl-learned-occlusion",
         )
+    arrays = read_arrays(context, wanted="what mcsl-label exported with a frame", remedy=_REMEDY)
     try:
-        with np.load(context, allow_pickle=False) as stored:
-            arrays = dict(stored)
         parts: dict[str, dict[str, Any]] = {"seen": {}, "inside": {}, "behind": {}}
         for key, value in arrays.items():
             kind, _, camera = key.partition(".")
@@ -231,11 +232,24 @@ def _marked(painted: Path, picture: Path, context: Path, name: str) -> Marked:
         )
         behind = {c: Seen(value, seen[c].inside) for c, value in parts["behind"].items() if c in seen}
         moment = f"{painted.parent.resolve()}:{arrays['moment']}"
-    except (OSError, KeyError, ValueError, cv2.error) as error:
+        _check_shapes([*seen.values(), *behind.values()])
+    except (KeyError, ValueError, cv2.error) as error:
         raise InputError(
-            f"cannot be used ({type(error).__name__}: {error})", where=str(context), remedy="Export the frames again"
+            f"cannot be used ({type(error).__name__}: {' '.join(str(error).split())})",
+            where=str(context),
+            remedy=_REMEDY,
         ) from error
     return Marked(name, moment, camera, laid.astype(np.int8) - 1, seen, behind)
+
+
+def _check_shapes(views: Sequence[Seen]) -> None:
+    """ValueError unless all are pictures of one size."""
+    for view in views:
+        shape = views[0].inside.shape
+        if view.inside.dtype != bool or view.inside.shape != shape:
+            raise ValueError("where a camera has picture is no mask of the size of the others")
+        if view.picture.dtype != np.uint8 or view.picture.shape != (*shape, 3):
+            raise ValueError("what a camera shows is no picture of the size of the others")
 
 
 def labels_of(mask: NDArray[np.uint8]) -> NDArray[np.int8]:

@@ -14,13 +14,14 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
-from mcsl_core.hooks import InputError, write_atomic
+from mcsl_core.hooks import InputError, read_arrays, write_atomic
 
 from .features import NAMES, Float
 
 SCHEMA = "mcsl.learned-occlusion/1"
 CLASSES = ("field", "in the way", "elsewhere")
 _REMEDY = "Train it again with `mcsl-label train`"
+_MOST_BYTES = 16 << 20  # unpacked; a model takes some 50 kB
 
 
 @frozen(eq=False)
@@ -63,18 +64,17 @@ class Model:
         """The model in ``path``; InputError says what is wrong with a file that holds none."""
         if not path.is_file():
             raise InputError("is not there", where=str(path), remedy="MCSL_LEARNED_MODEL must name a model's .npz file")
+        arrays = read_arrays(path, wanted="a model of mcsl-label", remedy=_REMEDY, most=_MOST_BYTES)
         try:
-            with np.load(path, allow_pickle=False) as stored:
-                arrays = dict(stored)
             head = json.loads(str(arrays.pop("head")[()]))
             layers = sum(name.startswith("weight") for name in arrays)
             weights = tuple((arrays[f"weight{n}"], arrays[f"bias{n}"]) for n in range(layers))
             model = cls(arrays["mean"], arrays["deviation"], weights, tuple(head["classes"]), dict(head["about"]))
-        except Exception as error:  # a zip file that is none, a missing array, JSON that is none, pickled objects
-            raise InputError(
-                f"is no model of mcsl-label ({type(error).__name__}: {error})", where=str(path), remedy=_REMEDY
-            ) from error
-        if fault := _fault(model, head):
+            fault = _fault(model, head)
+        except Exception as error:  # a missing array, JSON that is none, arrays and lists of any other form
+            why = f"{type(error).__name__}: {' '.join(str(error).split())}"
+            raise InputError(f"is not a model of mcsl-label ({why})", where=str(path), remedy=_REMEDY) from error
+        if fault:
             raise InputError(fault, where=str(path), remedy=_REMEDY)
         return model
 

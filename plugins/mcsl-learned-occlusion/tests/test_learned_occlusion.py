@@ -273,8 +273,8 @@ def test_a_model_comes_back_as_it_was_and_is_another_in_the_cache(model, tmp_pat
         ({"deviation": np.zeros(len(NAMES), np.float32)}, "above 0"),
         ({"deviation": np.ones(4, np.float32)}, "numbers each"),
         ({"head": np.array('{"schema": "mcsl.learned-occlusion/9", "classes": [], "about": {}}')}, "its schema is"),
-        ({"head": np.array("{")}, "no model of mcsl-label"),
-        ({"mean": np.array([pickle], dtype=object)}, "no model of mcsl-label"),
+        ({"head": np.array("{")}, "not a model of mcsl-label"),
+        ({"mean": np.array([pickle], dtype=object)}, "not a model of mcsl-label"),
     ],
     ids=["layers", "classes", "nan", "zero", "short", "newer", "head", "pickled"],
 )
