@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import ast
 import hashlib
+import os
 import sys
 from collections.abc import Iterable, Iterator
 from functools import cache
@@ -48,7 +49,7 @@ def code_of(*used: Any) -> str:
         digest.update(f"{module} {source.syntax}\n".encode())
     for package in sorted({name.partition(".")[0] for name in map(_module_of, used)} - {_PACKAGE}):
         for file in _files_of(package):
-            digest.update(file.name.encode() + b"\0" + file.read_bytes())
+            digest.update(os.fsencode(file.name) + b"\0" + file.read_bytes())
     for library in sorted(libraries):
         digest.update(f"{library} {_version(library)}\n".encode())
     return digest.hexdigest()[:24]

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
@@ -42,6 +43,16 @@ def cameras_of(paths: Iterable[str]) -> tuple[PickedCamera, ...]:
         PickedCamera(name if len(files) > 1 else Path(files[0]).stem, tuple(sorted(files, key=_natural)))
         for (_, name), files in groups.items()
     )
+
+
+def plugin_number(name: str) -> int:
+    """A number for a plugin, of any name, that does not change when others come and go: below 2**31."""
+    return zlib.crc32(name.encode("utf-8", "surrogatepass")) & 0x7FFFFFFF
+
+
+def as_text(name: str) -> str:
+    """A name as Blender can show it: what is no valid text in it stands as its escape."""
+    return name.encode("utf-8", "backslashreplace").decode()
 
 
 def _natural(text: str) -> list[tuple[int, int, str]]:

@@ -24,7 +24,8 @@ Facts = Mapping[str, tuple[str, str]]  # of each camera: its files' lengths, and
 
 def home_of(folder: Path) -> str:
     """A folder as a timeline notes it: by a hash, since a path may hold a name."""
-    return hashlib.sha256(str(folder.resolve()).encode()).hexdigest()[:16]
+    path = str(folder.resolve())  # a name that is not UTF-8 reaches Python as lone surrogates
+    return hashlib.sha256(path.encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
 def facts_of(edl: Edl) -> Facts:

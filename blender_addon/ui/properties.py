@@ -4,13 +4,12 @@
 No `from __future__ import annotations` here: Blender reads the properties from the annotations themselves.
 """
 
-import zlib
 from pathlib import Path
 
 import bpy  # pyright: ignore[reportMissingImports]
 
 from ..core import presets
-from ..core.camera_files import STAGES
+from ..core.camera_files import STAGES, as_text, plugin_number
 from ..sequencer.compat import sequencer_scene
 from . import job_runner
 from .translations.lookup import shown
@@ -23,19 +22,18 @@ _kept: dict = {}  # Blender does not keep the texts of dynamic enums: somebody m
 def _numbers(stage: str) -> dict[int, str]:
     """A number for every plugin of a stage that does not change when others come and go; 0 is the default."""
     names = [row.name for row in job_runner.desk.offers.get(stage, ())]
-    return {0: "", **{zlib.crc32(name.encode()) & 0x7FFFFFFF: name for name in names}}
+    return {0: "", **{plugin_number(name): name for name in names}}
 
 
 def _stage_items(stage: str):
     def items(self, context):
         rows = job_runner.desk.offers.get(stage, ())
         default = next((row.name for row in rows if row.default), "")
-        label = shown("Default ({name})").format(name=default) if default else shown("Default")
+        label = shown("Default ({name})").format(name=as_text(default)) if default else shown("Default")
         found = [(DEFAULT, label, shown("What mcsl takes by itself"), "NONE", 0)]
         for row in rows:
-            number = zlib.crc32(row.name.encode()) & 0x7FFFFFFF
-            text = f"{row.summary} ({row.package} {row.version})"
-            found.append((row.name, row.name, text, "NONE", number))
+            name, text = as_text(row.name), as_text(f"{row.summary} ({row.package} {row.version})")
+            found.append((name, name, text, "NONE", plugin_number(row.name)))
         _kept[stage] = found
         return found
 
