@@ -28,6 +28,7 @@ from mcsl_core.blender.messages import (
 )
 from mcsl_core.errors import BlenderError, InputError
 from mcsl_core.progress import JsonLines
+from mcsl_core.temporary import temporary_beside
 
 from ..core.read_overrides import read_edl
 from ..core.strip_plan import StripPlan, make_plan
@@ -158,7 +159,7 @@ def _open(blend: Path) -> Any:
 
 def _save(blend: Path) -> None:
     """The open file, whole or not at all, with relative paths."""
-    part = blend.with_name(f".{blend.name}.part.blend")
+    part = temporary_beside(blend, ".blend")
     try:
         bpy.context.preferences.filepaths.save_version = 0
         bpy.ops.wm.save_as_mainfile(filepath=str(part), check_existing=False, relative_remap=True)

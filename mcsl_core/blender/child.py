@@ -17,7 +17,7 @@ from typing import NoReturn, TypeVar
 
 from mcsl_core.errors import BlenderError, InputError, McslError, UsageError
 from mcsl_core.progress import CancelToken, Progress, Silent
-from mcsl_core.temporary import temporary_folder
+from mcsl_core.temporary import sweep, temporary_folder
 
 from .children import ended_afterwards
 from .installation import Blender, explain_missing
@@ -107,8 +107,11 @@ def run_task(blender: Blender, request: Request[Answer], progress: Progress | No
                 env=environment,
                 start_new_session=True,
             )
-        with ended_afterwards(child):
-            last = _listen(child, MessageFile(messages), progress)
+        try:
+            with ended_afterwards(child):
+                last = _listen(child, MessageFile(messages), progress)
+        finally:
+            sweep(request.blend.parent)  # it may have been killed while it saved
         if isinstance(last, Result):
             return structure(last.result, request.answer, where=f"Blender's answer to the task {request.task}")
         _raise(blender, last and last.error, child.returncode, log.read_text("utf-8", "replace"))

@@ -80,13 +80,14 @@ class Request(Generic[Answer]):
     task: ClassVar[str]
     answer: ClassVar[type[Any]]
 
+    blend: Path = field(validator=_absolute, metadata=doc("the timeline's file"))
+
 
 @frozen
 class _FromEdl(Request[BuiltTimeline]):
     answer = BuiltTimeline
 
     edl: Path = field(validator=_absolute, metadata=doc("the EDL to build from"))
-    blend: Path = field(validator=_absolute, metadata=doc("the timeline's file"))
     conformed: tuple[ConformedPiece, ...] = field(metadata=doc("exact pictures to put in place"))
     sound: Path | None = field(validator=_absolute, metadata=doc("conformed; null: the reference camera's own"))
 
@@ -115,7 +116,6 @@ class ReadRequest(Request[ReadDecisions]):
     task = "read"
     answer = ReadDecisions
 
-    blend: Path = field(validator=_absolute, metadata=doc("the timeline's file"))
     instead: Path | None = field(
         default=None,
         validator=_absolute,
@@ -130,7 +130,6 @@ class RenderRequest(Request[RenderedVideo]):
     task = "render"
     answer = RenderedVideo
 
-    blend: Path = field(validator=_absolute, metadata=doc("the timeline's file"))
     preset: Preset = field(metadata=doc("what is delivered"))
     output: Path = field(validator=_absolute, metadata=doc("the video"))
 

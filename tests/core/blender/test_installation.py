@@ -156,7 +156,8 @@ def test_a_child_that_lacks_a_library_is_told_apart_from_a_crash(tmp_path):
 
 def test_a_cancel_ends_a_silent_child_and_what_it_started(tmp_path):
     lazy = tmp_path / "lazy"
-    lazy.write_text(f"#!/bin/sh\n/bin/sleep 30 &\necho $! > {tmp_path / 'pid'}\nwait\n")
+    saving = temporary_beside(tmp_path / "a.blend", ".blend").name.replace(str(os.getpid()), "$$")
+    lazy.write_text(f"#!/bin/sh\n: > {tmp_path}/{saving}\n/bin/sleep 30 &\necho $! > {tmp_path / 'pid'}\nwait\n")
     lazy.chmod(0o755)
     progress = Silent()
 
@@ -172,6 +173,7 @@ def test_a_cancel_ends_a_silent_child_and_what_it_started(tmp_path):
             blender.Blender("module", (str(lazy),), "5.0.1", "a test"), ReadRequest(tmp_path / "a.blend"), progress
         )
     assert time.monotonic() - begun < 20
+    assert not list(tmp_path.glob(".mcsl-*")), "the timeline that it was saving"
     grandchild = Path("/proc") / (tmp_path / "pid").read_text().strip() / "stat"
     for _ in range(100):  # killed, it may wait a moment to be buried
         if not grandchild.exists() or grandchild.read_text().split()[2] == "Z":
