@@ -24,7 +24,6 @@ from pathlib import Path
 from attrs import field, frozen
 
 MCSL = (sys.executable, "-m", "mcsl_core.cli", "--progress", "lines")
-FIRST_S = 0.15  # before Python has begun to run mcsl, it ends by the signal itself
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 COMMANDS = {
     "simulate": ("simulate", "made", "--duration", "12", "--size", "320x180", "--rate", "10"),
@@ -100,10 +99,17 @@ def prepare(folder: Path) -> None:
 def stopped(folder: Path, command: Sequence[str], times: int, chance: random.Random) -> Iterator[Stop]:
     """The command begun and stopped so often, at moments spread over the time that it takes when nobody stops it."""
     whole_s = stop_after(folder, command, None).after_s
+    first = 2 * start_s()
     for number in range(times):
-        first, last = FIRST_S, max(whole_s, 2 * FIRST_S)
-        moment = first + (last - first) * (number + chance.random()) / times
+        moment = first + max(whole_s - first, first) * (number + chance.random()) / times
         yield stop_after(folder, command, SIGNALS[number % len(SIGNALS)], moment)
+
+
+def start_s() -> float:
+    """How long Python takes here until it runs mcsl; before, it ends by the signal itself."""
+    began = time.monotonic()
+    subprocess.run([sys.executable, "-c", "from mcsl_core.cli import stopping; stopping.install()"], check=True)
+    return time.monotonic() - began
 
 
 def stop_after(folder: Path, command: Sequence[str], number: int | None, after_s: float = 600.0) -> Stop:
