@@ -78,7 +78,7 @@ def open_file(path: Path) -> Any:
 
 
 def main_video(container: Any, path: Path) -> Any:
-    """The largest video stream that is no cover picture, thumbnail or still.
+    """The largest video stream that is no cover picture, thumbnail or still: of several, none of a single picture.
 
     Raises
     ------
@@ -88,7 +88,14 @@ def main_video(container: Any, path: Path) -> Any:
     streams = [s for s in container.streams.video if s.codec_context and not s.disposition & _STILLS]
     if not streams:
         raise MediaError("holds no video", where=str(path), remedy="Leave it out, or hand in the camera's video file")
-    return max(streams, key=lambda s: (s.width * s.height, -s.index))
+    return max(streams, key=lambda s: (not _is_single(s), s.width * s.height, -s.index))
+
+
+def _is_single(stream: Any) -> bool:
+    """Whether the headers count one picture in a stream; some recorders keep their thumbnail as a track of its own."""
+    counted = {str(stream.frames), *(v for k, v in stream.metadata.items() if k.upper().startswith("NUMBER_OF_FRAMES"))}
+    hours, _, rest = next((v for k, v in stream.metadata.items() if k.upper() == "DURATION"), "").partition(":")
+    return "1" in counted or (hours == "00" and rest.startswith("00:00.0"))
 
 
 def time_origin_of(container: Any) -> Fraction:

@@ -16,6 +16,7 @@ from av.error import FFmpegError
 
 from mcsl_core.errors import MediaError
 
+from .boxes import refuse_second_film
 from .colours import colour_note, refuse_colours
 from .facts import MediaFacts, displayed_size, is_variable
 from .opening import main_video, open_file, refuse_raw, time_origin_of, timestamp_of
@@ -43,6 +44,7 @@ class _IndexEntry:
 class _Header:
     """What the container's headers and the first picture say; see `MediaFacts` for the fields of one name."""
 
+    form: str  # FFmpeg's name of the container
     tick: Fraction
     zero_s: Fraction
     start_s: Fraction
@@ -154,6 +156,8 @@ def _conversions_of(path: Path, _size: int, _changed_ns: int) -> tuple[str, ...]
 def _read_header(path: Path) -> _Header:
     with open_file(path) as container:
         refuse_raw(container, path)
+        if "mp4" in container.format.name:
+            refuse_second_film(path)
         stream = main_video(container, path)
         zero = time_origin_of(container)
         timecode = next((s.metadata["timecode"] for s in container.streams if "timecode" in s.metadata), None)
@@ -166,6 +170,7 @@ def _read_header(path: Path) -> _Header:
         refuse_colours(first, path)
         rotation, mirrored = orientation_of(first)
         return _Header(
+            form=container.format.name,
             tick=stream.time_base,
             zero_s=zero,
             start_s=begin - zero,
@@ -213,6 +218,8 @@ def _from_packets(path: Path, header: _Header) -> _Packets:
         end = _end(path, int(((promised or 0) + header.zero_s) / header.tick), any_frame=False) or end
     end_s = None if end is None else end - header.zero_s
     cut_short = promised and end and end - header.zero_s < promised - 1
+    if cut_short and header.form == "mxf":
+        _refuse_without_index(path)
     return _Packets(
         stamps=stamps,
         keyframes=keyframes,
@@ -231,6 +238,15 @@ def _refuse_joined(path: Path, header: _Header, stamps: Sequence[int], *, lastin
             remedy=f"Hand in the files it was joined from, or give it one clock: ffmpeg -i {path.name} -map 0 -c copy "
             f"{path.stem}-joined.mkv",
         )
+
+
+def _refuse_without_index(path: Path) -> None:
+    """MXF keeps its index at its end; without it FFmpeg guesses places and times, and shows wrong pictures."""
+    raise MediaError(
+        "is an MXF file that was cut short, without the index that stands at its end",
+        where=str(path),
+        remedy=f"Put what is left into another container: ffmpeg -i {path.name} -c copy {path.stem}.mkv",
+    )
 
 
 def _sampled(path: Path) -> list[int]:

@@ -52,7 +52,10 @@ def _changed(edl: Edl, centre: str | None, start: str | None, stop: str | None, 
                 f"from {start or '0'} to {stop or 'the end'} there is no frame",
                 remedy=f"The programme lasts {length}; give --from before --to",
             ) from None
-    return change_look(edl, offset=None if centre is None else _pair(centre), piece=piece, **aids)
+    try:
+        return change_look(edl, offset=None if centre is None else _pair(centre), piece=piece, **aids)
+    except Fault as fault:
+        raise UsageError(f"--centre {centre}: {fault.what}", remedy="Write pixels right and down: 40,-25") from fault
 
 
 def _seconds(text: str) -> Fraction:

@@ -72,6 +72,9 @@ def test_the_command_writes_what_it_says(tmp_path, capsys, small_edl):
         ({"start": "1"}, "nothing to switch"),
         ({"start": "soon", "fill": True}, "no time"),
         ({"centre": "left"}, "no shift"),
+        ({"centre": "nan,0"}, "--centre nan,0"),
+        ({"centre": "1e9,0"}, "--centre 1e9,0"),
+        ({"centre": "5,1e308", "start": "1", "stop": "2"}, "--centre 5,1e308"),
     ],
 )
 def test_a_wrong_call_says_what_is_wrong(tmp_path, small_edl, given, said):

@@ -61,12 +61,16 @@ def test_sound_rotation_and_aspect(tmp_path):
     assert facts.size == (144, 342)  # 256 * 4/3 = 341.3, then upright
 
 
-def test_a_cover_picture_is_not_the_film(tmp_path):
+@pytest.mark.parametrize("suffix", [".mp4", ".mov", ".mkv"])
+@pytest.mark.parametrize("named", [True, False])
+def test_a_cover_picture_is_not_the_film(tmp_path, suffix, named):
+    """Named a cover, or a track of its own with a single picture in it, as large as it may be."""
     path = write_coded(tmp_path / "a.mp4", range(10))
-    with av.open(str(path)) as film, av.open(str(tmp_path / "b.mp4"), "w") as both:
-        cover = both.add_stream("mjpeg", rate=1)
+    with av.open(str(path)) as film, av.open(str(tmp_path / f"b{suffix}"), "w") as both:
+        cover = both.add_stream("mjpeg", rate=25)
         cover.width, cover.height, cover.pix_fmt = 800, 600, "yuvj420p"
-        cover.disposition = av.stream.Disposition.attached_pic
+        if named:
+            cover.disposition = av.stream.Disposition.attached_pic
         copy = both.add_stream_from_template(film.streams.video[0])
         picture = av.VideoFrame.from_ndarray(np.zeros((600, 800, 3), np.uint8), format="bgr24")
         both.mux(cover.encode(picture.reformat(format="yuvj420p")))
@@ -75,7 +79,7 @@ def test_a_cover_picture_is_not_the_film(tmp_path):
             if packet.dts is not None:
                 packet.stream = copy
                 both.mux(packet)
-    facts = probe(tmp_path / "b.mp4")
+    facts = probe(tmp_path / f"b{suffix}")
     assert (facts.codec, facts.size, facts.frames) == ("h264", SIZE, 10)
 
 

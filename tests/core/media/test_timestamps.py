@@ -138,6 +138,30 @@ def test_files_joined_end_to_end_are_refused_where_the_clock_is_set_back(tmp_pat
     assert "ffmpeg -i joined" in caught.value.remedy
 
 
+@pytest.mark.parametrize("options", [{}, {"movflags": "faststart"}, {"movflags": "frag_keyframe+empty_moov"}])
+@pytest.mark.parametrize("suffix", [".mp4", ".mov"])
+def test_mp4s_joined_end_to_end_are_refused(tmp_path, suffix, options):
+    """FFmpeg plays the first alone."""
+    one, two = (write_coded(tmp_path / f"{n}{suffix}", range(60), container_options=options) for n in "ab")
+    assert probe(one).duration_s == 2
+    joined = tmp_path / f"joined{suffix}"
+    joined.write_bytes(one.read_bytes() + two.read_bytes())
+    with pytest.raises(MediaError, match="holds two films or more") as caught:
+        probe(joined)
+    assert caught.value.where == str(joined)
+    joined.write_bytes(one.read_bytes() + bytes(300_000))  # a recorder's padding
+    assert probe(joined).duration_s == 2
+
+
+def test_an_mxf_without_its_index_is_refused_with_a_way_to_save_it(tmp_path):
+    path = write_coded(tmp_path / "cam1.mxf", range(120), codec="mpeg2video", options={"b": "2M"}, gop=25)
+    assert probe(path).duration_s == 4
+    path.write_bytes(path.read_bytes()[: path.stat().st_size * 6 // 10])
+    with pytest.raises(MediaError, match="MXF file that was cut short") as caught:
+        probe(path)
+    assert "ffmpeg -i cam1.mxf" in caught.value.remedy
+
+
 def test_one_wrong_timestamp_is_no_clock_set_back():
     stamps = list(range(0, 300000, 3000))
     assert set_back(stamps, Fraction(1, 90000), lasting=10) is None
