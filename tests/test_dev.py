@@ -223,7 +223,7 @@ def test_wrong_calls_are_one_line_and_code_2(project):
     for arguments in ((), ("tset",), ("setup", "now"), ("lint", "--fix")):
         done = project.dev(*arguments)
         assert done.returncode == 2
-        assert "one of demo, test, fast, addon, test-addon, mcsl, run, lint, docs" in only_line(done.stderr)
+        assert "one of demo, test, fast, addon, test-addon, mcsl, run, lint, lowest, docs" in only_line(done.stderr)
     assert not project.venv.exists()
     assert "python3 dev.py test" in project.dev("--help").stdout
 

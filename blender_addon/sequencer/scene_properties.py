@@ -169,7 +169,7 @@ def linked_edl(scene: Any, blend: Path, instead: Path | None = None) -> tuple[Pa
         moved = bool(home) and home != identity.home_of(blend.parent)
         copied = not home and not noted.startswith("//") and str(path) != os.path.normpath(noted)
         try:
-            strict = (moved or copied) and instead is None
+            strict = (moved or copied) and (instead is None or instead.is_file())
             identity.check_belongs(edl, path, facts, automatic=automatic, moved=strict)
         except InputError as error:
             reason = InputError(f"names the EDL {noted}, which {error.what}", where=str(blend))

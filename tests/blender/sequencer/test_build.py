@@ -130,7 +130,12 @@ def test_blender_too_refuses_what_leads_out_of_the_edls_folder(project, blender,
     elsewhere = tmp_path_factory.mktemp("elsewhere")
     edls.save(rebased(edls.load(project / "edl.json"), project, elsewhere), elsewhere / "edl.json")
     request = TimelineRequest(
-        elsewhere / "edl.json", elsewhere / "edit.blend", (), None, preset=load_preset("h264"), output="a.mp4"
+        blend=elsewhere / "edit.blend",
+        edl=elsewhere / "edl.json",
+        conformed=(),
+        sound=None,
+        preset=load_preset("h264"),
+        output="a.mp4",
     )
     with pytest.raises(InputError, match="leads out of the EDL's folder"):
         run_task(blender, request)

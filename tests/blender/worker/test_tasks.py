@@ -100,7 +100,7 @@ class NoSuchTask(Request[dict]):
 
 def test_an_unexpected_failure_brings_the_childs_last_words(blender, tmp_path):
     with pytest.raises(BlenderError, match=r"KeyError: 'no such task'[\s\S]*Traceback|Traceback[\s\S]*no such task"):
-        run_task(blender, NoSuchTask())
+        run_task(blender, NoSuchTask(tmp_path / "edit.blend"))
 
 
 def test_a_refusal_keeps_its_kind_place_and_remedy(blender, tmp_path):
@@ -119,10 +119,10 @@ def test_a_wrong_request_is_refused_with_the_path_to_the_value(blender, tmp_path
     class Lame(Request[dict]):
         task = "read"
         answer = dict
-        blend: int = 3
+        instead: int = 3
 
-    with pytest.raises(InputError, match=r"the request of the task read at \$\.blend: expected a text, got 3"):
-        run_task(blender, Lame())
+    with pytest.raises(InputError, match=r"the request of the task read at \$\.instead: expected a text, got 3"):
+        run_task(blender, Lame(tmp_path / "edit.blend"))
 
 
 def test_a_wrong_answer_is_refused_with_the_path_to_the_value(built, blender):
@@ -162,7 +162,7 @@ def test_the_child_searches_blenders_own_packages_first(blender, tmp_path, monke
         (folder / "__init__.py").touch()
     ours = child.search_paths()
     monkeypatch.setattr(child, "search_paths", lambda: [str(tmp_path), *ours])
-    seen = run_task(blender, NoSuchTask())
+    seen = run_task(blender, NoSuchTask(tmp_path / "edit.blend"))
     assert str(child.script().parent) not in seen["path"]
     assert seen["path"][-len(ours) :] == ours
     assert Path(seen["numpy"]).parents[1] not in [Path(p) for p in ours]

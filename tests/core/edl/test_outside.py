@@ -102,10 +102,6 @@ def test_all_that_lead_out_are_counted(folder):
         edls.load(written(edl, folder / "edl.json"))
 
 
-def test_what_is_no_name_is_left_to_who_opens_it(folder):
-    edls.load(written(naming("a\0b.mp4"), folder / "edl.json"))
-
-
 @pytest.mark.parametrize("given", [{"allow_outside": True}, {}])
 def test_what_was_allowed_once_is_remembered(folder, given):
     path = written(naming("../../secret/patient.mp4"), folder / "edl.json")
