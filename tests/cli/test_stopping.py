@@ -65,6 +65,17 @@ def test_a_signal_during_the_start_has_no_traceback(number):
     assert stopped(start("time.sleep(600)"), number) == (130, "mcsl: stopped\n")
 
 
+def test_ctrl_c_before_signals_are_heard_is_told_too():
+    """Python raises it by itself then, here at the import of what hears them."""
+    hook = "lambda name, *_: os.kill(os.getpid(), 2) if name.endswith('.stopping') else None"
+    code = f"""import os, runpy, sys
+sys.meta_path.insert(0, type("", (), {{"find_spec": {hook}}}))
+runpy.run_module("mcsl_core.cli", run_name="__main__")"""
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=False)
+    assert (done.returncode, done.stderr) == (130, "mcsl: stopped\n")
+
+
 def test_a_second_one_ends_at_once():
     began = time.monotonic()
     assert stopped(start(BEGUN, DEAF), signal.SIGINT, signal.SIGINT) == (130, "mcsl: stopped\n")
