@@ -30,7 +30,7 @@ from cattrs.errors import (
 )
 from cattrs.gen import make_dict_structure_fn, make_dict_unstructure_fn, override
 
-from mcsl_core.errors import DocumentError, Fault, InputError, McslError
+from mcsl_core.errors import DocumentError, Fault, InputError, writing
 from mcsl_core.input_files import check_target, read_text
 from mcsl_core.json_text import parse_json, shallow
 from mcsl_core.temporary import open_private, temporary_beside
@@ -351,18 +351,14 @@ def write_atomic(path: Path, data: bytes, *, private: bool = False) -> None:
             f"cannot be written ({error.strerror})", where=str(path), remedy="Choose a folder you may write to"
         ) from error
     try:
-        with stream:
-            if mode is not None:
-                temporary.chmod(mode)
-            stream.write(data)
-            stream.flush()
-            os.fsync(stream.fileno())
-        temporary.replace(target)
-    except OSError as error:
-        temporary.unlink(missing_ok=True)
-        raise McslError(
-            f"cannot be written ({error.strerror})", where=str(path), remedy="Make room, or choose another folder"
-        ) from error
+        with writing(path):
+            with stream:
+                if mode is not None:
+                    temporary.chmod(mode)
+                stream.write(data)
+                stream.flush()
+                os.fsync(stream.fileno())
+            temporary.replace(target)
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
