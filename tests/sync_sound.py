@@ -5,20 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import signal
 
-from mcsl_core.progress import Silent
-
 RATE = 48000
-
-
-class Notes(Silent):
-    """Keeps what progress is told."""
-
-    def __init__(self):
-        super().__init__()
-        self.notes = []
-
-    def note(self, text):
-        self.notes.append(text)
 
 
 def room(seconds, seed=0, rate=16000):

@@ -8,6 +8,7 @@ import attrs
 import av
 import pytest
 from blender_recording import FRAMES, LIGHT, R, an_edl, in_blender
+from notes import Notes
 
 from mcsl_core import edl as edls
 from mcsl_core.blender.child import run_task
@@ -17,7 +18,6 @@ from mcsl_core.delivery.presets import load_preset
 from mcsl_core.edl import IDENTITY, Override
 from mcsl_core.edl.edits import rebased
 from mcsl_core.errors import BlenderError, InputError, UsageError
-from mcsl_core.progress import Silent
 
 pytestmark = pytest.mark.both_blenders
 
@@ -224,14 +224,3 @@ def test_a_mirrored_camera_file_is_told(project, blender):
     told = [note for note in progress.notes if "mirrored for display" in note]
     assert len(told) == 1
     assert told[0].startswith("cam2: cam2.mp4")
-
-
-class Notes(Silent):
-    """Keeps what is told."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.notes: list[str] = []
-
-    def note(self, text: str) -> None:
-        self.notes.append(text)

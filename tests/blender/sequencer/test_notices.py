@@ -6,24 +6,19 @@ import shutil
 
 import pytest
 from blender_recording import in_blender
+from notes import Notes
 
 from mcsl_core.blender.child import run_task
 from mcsl_core.blender.messages import ConformedPiece, RefreshRequest
 from mcsl_core.blender.timeline import pull_overrides
-from mcsl_core.progress import Silent
 from mcsl_core.timing import FrameRange
 
 
 def told(built, blender, code):
-    notes = []
-
-    class Heard(Silent):
-        def note(self, text):
-            notes.append(text)
-
+    heard = Notes()
     in_blender(blender, built, code)
-    pull_overrides(built, blender=blender, progress=Heard())
-    return notes
+    pull_overrides(built, blender=blender, progress=heard)
+    return heard.notes
 
 
 def test_work_that_would_not_be_seen_or_kept(built, blender):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import attrs
 import pytest
 from blender_recording import FRAMES, R, in_blender
+from notes import Notes
 
 from mcsl_core import edl as edls
 from mcsl_core.blender.child import run_task
@@ -13,20 +14,8 @@ from mcsl_core.blender.timeline import build_timeline, pull_overrides
 from mcsl_core.edl import IDENTITY, Override, Shot
 from mcsl_core.edl.edits import carry_over
 from mcsl_core.errors import InputError
-from mcsl_core.progress import Silent
 
 KEPT = Override(R(45, 50), camera="cam1", note="kept")
-
-
-class Notes(Silent):
-    """Hears what a person is told."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.notes: list[str] = []
-
-    def note(self, text: str) -> None:
-        self.notes.append(text)
 
 
 def after(built, blender, code):

@@ -5,26 +5,15 @@ from __future__ import annotations
 import attrs
 import pytest
 from blender_recording import FRAMES, R, an_edl, in_blender, write_camera
+from notes import Notes
 
 from mcsl_core import edl as edls
 from mcsl_core.blender.child import run_task
 from mcsl_core.blender.messages import ConformedPiece, RefreshRequest
 from mcsl_core.blender.timeline import pull_overrides
 from mcsl_core.edl import IDENTITY
-from mcsl_core.progress import Silent
 
 pytestmark = pytest.mark.both_blenders
-
-
-class Notes(Silent):
-    """Hears what a person is told."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.notes: list[str] = []
-
-    def note(self, text: str) -> None:
-        self.notes.append(text)
 
 
 def refreshed(built, blender, pieces=(), edl=None):

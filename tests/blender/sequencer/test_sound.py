@@ -8,24 +8,13 @@ import av
 import numpy as np
 import pytest
 from blender_recording import FRAMES, RATE, in_blender
+from notes import Notes
 
 from mcsl_core.blender.child import run_task
 from mcsl_core.blender.messages import RefreshRequest
 from mcsl_core.blender.render import render
-from mcsl_core.progress import Silent
 
 pytestmark = pytest.mark.both_blenders
-
-
-class Notes(Silent):
-    """Hears what a person is told."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.notes: list[str] = []
-
-    def note(self, text: str) -> None:
-        self.notes.append(text)
 
 
 def levels(path) -> np.ndarray:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 from blender_recording import in_blender
+from notes import Notes
 
 from mcsl_core.blender.render import render
 from mcsl_core.blender.timeline import pull_overrides
 from mcsl_core.errors import InputError
-from mcsl_core.progress import Silent
 
 READY = """
 for w in bpy.data.workspaces:
@@ -101,12 +101,8 @@ def test_what_may_be_meant_so_is_told(built, blender):
             if s.type == "SOUND": s.frame_start -= 2
     """
     in_blender(blender, built, code)
-    notes = []
-
-    class Heard(Silent):
-        def note(self, text):
-            notes.append(text)
-
-    pull_overrides(built, blender=blender, progress=Heard())
+    heard = Notes()
+    pull_overrides(built, blender=blender, progress=heard)
+    notes = heard.notes
     assert [n for n in notes if "renders frames 11 to 30" in n or "200 x 180" in n or "2 frames earlier" in n] == notes
     assert len(notes) == 4

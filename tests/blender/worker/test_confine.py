@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 from blender_recording import in_blender
+from notes import Notes
 
 from mcsl_core.blender.child import run_task
 from mcsl_core.blender.messages import ReadRequest, RenderRequest
 from mcsl_core.delivery.presets import load_preset
-from mcsl_core.progress import Silent
 
 pytestmark = pytest.mark.both_blenders
 
@@ -70,18 +70,13 @@ def test_only_the_output_is_written_and_no_script_runs(built, blender, tmp_path)
     for file in away.rglob("*"):
         file.unlink()  # what ran while the file was made
     before = {p: p.stat().st_mtime_ns for p in tmp_path.rglob("*")}
-    notes = []
-
-    class Heard(Silent):
-        def note(self, text):
-            notes.append(text)
-
+    heard = Notes()
     run_task(blender, ReadRequest(built))
     out = tmp_path / "out.mp4"
-    done = run_task(blender, RenderRequest(blend=built, preset=load_preset("review"), output=out), Heard())
+    done = run_task(blender, RenderRequest(blend=built, preset=load_preset("review"), output=out), heard)
     assert done.frames == 3
     after = {p: p.stat().st_mtime_ns for p in tmp_path.rglob("*") if p.name != out.name}
     assert {p for p in after if before.get(p) != after[p]} - {Path(tmp_path)} == set()
     assert out.is_file()
-    assert sum("File Output node" in note for note in notes) == 2
-    assert any("Stereoscopy" in note for note in notes)
+    assert sum("File Output node" in note for note in heard.notes) == 2
+    assert any("Stereoscopy" in note for note in heard.notes)

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from notes import Notes
 from remuxed import remux
-from sync_sound import Notes
 
 from mcsl_core.analysis.pipeline import analyse
 from mcsl_core.analysis.settings import AnalysisSettings

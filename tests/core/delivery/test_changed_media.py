@@ -6,6 +6,7 @@ from pathlib import Path
 
 import attrs
 import pytest
+from notes import Notes
 from two_cameras import FRAMES, make
 
 from mcsl_core.delivery.chunk_keys import plan_chunks, with_former_keys
@@ -13,16 +14,6 @@ from mcsl_core.delivery.conform import conform
 from mcsl_core.delivery.source import ProgrammeSource
 from mcsl_core.edl import Edl
 from mcsl_core.media.fingerprint import fingerprint
-from mcsl_core.progress import Silent
-
-
-class Notes(Silent):
-    def __init__(self) -> None:
-        super().__init__()
-        self.notes: list[str] = []
-
-    def note(self, text: str) -> None:
-        self.notes.append(text)
 
 
 @pytest.fixture

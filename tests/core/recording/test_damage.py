@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from coded_video import SIZE, coded_picture, read_number, write_coded
 from damaged_films import FRAMES, GOP, damaged, lost, noise, place_of, write_film, zeros
+from notes import Notes
 
 from mcsl_core.edl import Camera, Clock, Media
 from mcsl_core.imaging.planes import planes_to_bgr
@@ -18,15 +19,6 @@ from mcsl_core.timing import FrameRange
 
 RATE = Fraction(30)
 QUARTER = 140_000  # bytes of the films of H.264: two and a half seconds, and more than FFmpeg looks through at a time
-
-
-class Notes(Silent):
-    def __init__(self):
-        super().__init__()
-        self.notes = []
-
-    def note(self, text):
-        self.notes.append(text)
 
 
 def footage_of_file(path, *, gaps=(), frames=FRAMES, clock=None, notes=None):

@@ -5,8 +5,8 @@ from pathlib import Path
 import av
 import pytest
 from coded_video import write_coded
+from notes import Notes
 from remuxed import split
-from sync_sound import Notes
 
 from mcsl_core.errors import InputError
 from mcsl_core.recording.cameras import open_cameras

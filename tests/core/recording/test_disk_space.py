@@ -4,6 +4,7 @@ import shutil
 from collections import namedtuple
 
 import pytest
+from notes import Notes
 from two_cameras import make, write_sources
 
 from mcsl_core.delivery.conform import conform
@@ -15,15 +16,6 @@ from mcsl_core.recording.footage import footage_of
 from mcsl_core.recording.sample_store import SampleStore
 
 Usage = namedtuple("Usage", "total used free")
-
-
-class Notes(Silent):
-    def __init__(self):
-        super().__init__()
-        self.notes = []
-
-    def note(self, text):
-        self.notes.append(text)
 
 
 def free(monkeypatch, count):

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from coded_video import SIZE, read_number, write_coded
-from sync_sound import Notes
+from notes import Notes
 
 from mcsl_core.edl import Camera, Clock, Media
 from mcsl_core.errors import InputError

@@ -7,8 +7,9 @@ import pytest
 from coded_video import write_coded
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from notes import Notes
 from scipy import signal
-from sync_sound import RATE, Notes, heard, room
+from sync_sound import RATE, heard, room
 
 from mcsl_core.edl import Camera, Media
 from mcsl_core.errors import UsageError

@@ -6,9 +6,10 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from notes import Notes
 from scipy import signal
 from sound_files import RATE, Track, silence, with_channel_labels, without_decoder, write_film
-from sync_sound import Notes, heard, room
+from sync_sound import heard, room
 
 from mcsl_core.edl import Camera, Media
 from mcsl_core.media.probing import probe

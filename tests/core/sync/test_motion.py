@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from notes import Notes
 from scipy import ndimage
-from sync_sound import Notes
 
 from mcsl_core.edl import Camera, Media
 from mcsl_core.errors import Cancelled

@@ -9,7 +9,8 @@ import pytest
 from coded_video import DATA
 from hypothesis import given
 from hypothesis import strategies as st
-from sync_sound import Notes, heard, room
+from notes import Notes
+from sync_sound import heard, room
 
 from mcsl_core.edl import Camera, Media
 from mcsl_core.media.probing import probe
