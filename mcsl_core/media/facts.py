@@ -75,6 +75,8 @@ class MediaFacts:
         Whether the coded picture is mirrored, left to right, before it is turned.
     colour
         What its colours are where they have to be converted to BT.709, such as "hlg"; else empty.
+    strict
+        Whether a decoder that refuses what breaks its codec's rules takes its first pictures (`decoders`).
 
     Notes
     -----
@@ -107,6 +109,7 @@ class MediaFacts:
     scan: Scan = "unflagged"
     mirrored: bool = False
     colour: str = ""
+    strict: bool = True
 
     @property
     def duration_s(self) -> float:

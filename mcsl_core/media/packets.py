@@ -3,7 +3,7 @@
 A decoder that meets damage shows the picture before, or smears on until the next keyframe, and only those of some
 codecs say so. Packets tell at the price of reading the file: a unit that is none of its codec, bytes that its coding
 cannot hold, a break in the container, pictures missing where bytes are. What hits the inside of one packet and leaves
-no such trace, only decoding shows (`reading`), and in codecs whose decoder accepts anything (HEVC, VP9) nothing does.
+no such trace, only decoding shows (`reading`), and that not always (`decoders`).
 """
 
 from __future__ import annotations

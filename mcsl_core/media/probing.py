@@ -18,6 +18,7 @@ from mcsl_core.errors import MediaError
 
 from .boxes import refuse_second_film
 from .colours import colour_note, refuse_colours
+from .decoders import takes_strictly
 from .facts import MediaFacts, displayed_size, is_variable
 from .opening import main_video, open_file, refuse_raw, time_origin_of, timestamp_of
 from .orientation import orientation_of
@@ -139,6 +140,7 @@ def probe(path: str | Path) -> MediaFacts:
         scan=scan_of(path, rate),
         mirrored=header.mirrored,
         colour=header.colour,
+        strict=takes_strictly(path),
     )
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from av.error import FFmpegError
 
+from .decoders import strict_decoder
 from .deinterlacing import deinterlaced, is_woven
 from .facts import MediaFacts
 from .opening import main_video, open_file, timestamp_of
@@ -56,7 +57,8 @@ class VideoReader:
     def _reopen(self) -> None:
         self._container = open_file(self.facts.path)
         self._stream = main_video(self._container, self.facts.path)
-        context = self._stream.codec_context
+        self._context = strict_decoder(self._stream) if self.facts.strict else self._stream.codec_context
+        context = self._context
         context.thread_count = self._threads
         context.thread_type = "AUTO" if self._threads != 1 else "SLICE"
         if self._skip:
@@ -123,15 +125,18 @@ class VideoReader:
         """
         order = ShownOrder(from_start=self._fresh) if self.facts.decoding_order else None
         self._fresh = False
-        context, judge, lost = self._stream.codec_context, WholeFrames(1 / self.facts.rate), False
+        context, judge, lost = self._context, WholeFrames(1 / self.facts.rate), False
+        keys: set[int | None] = set()
         for packet, whole in judged_packets(self._container, self._stream, self.facts.rate):
             lost = not whole or (lost and not packet.is_keyframe)
             frames = []
+            if packet.is_keyframe and not lost:
+                keys.add(packet.pts)
             if order is not None:
                 order.feed(packet)
             try:
                 if not lost:
-                    frames = packet.decode()
+                    frames = context.decode(packet)
                 elif not judge.broken:
                     frames = context.decode(None)
             except FFmpegError as error:
@@ -140,7 +145,8 @@ class VideoReader:
             for frame in frames:
                 stamp = timestamp_of(frame) if order is None else order.stamp(frame)
                 if stamp is not None:
-                    yield from judge.judged(stamp * self._stream.time_base - self.facts.zero_s, frame)
+                    time_s, is_key = stamp * self._stream.time_base - self.facts.zero_s, frame.pts in keys
+                    yield from judge.judged(time_s, frame, is_key=is_key)
             if lost and not judge.broken:
                 judge.broken = True
                 context.flush_buffers()
@@ -193,7 +199,7 @@ class VideoReader:
 
     def _keyframe_and_next(self, target: int) -> list[Any]:
         """The keyframe before ``target`` ticks; where it is interlaced, also the frame shown next."""
-        context = self._stream.codec_context
+        context = self._context
         self._container.seek(target, stream=self._stream)
         packets = packets_of(self._container, self._stream)
         first = next((p for p in packets if p.is_keyframe and p.size), None)

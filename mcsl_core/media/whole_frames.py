@@ -29,10 +29,13 @@ class WholeFrames:
         if self.broken and self._last_s is not None:
             yield self._last_s + self.step_s, None
 
-    def judged(self, time_s: Fraction, frame: Any) -> Iterator[tuple[Fraction, Any | None]]:
-        """The next frame, None in its place where it is not whole; before it, None where others are missing."""
+    def judged(self, time_s: Fraction, frame: Any, *, is_key: bool) -> Iterator[tuple[Fraction, Any | None]]:
+        """The next frame, None in its place where it is not whole; before it, None where others are missing.
+
+        ``is_key``: whether its packet is a keyframe's, which not every decoder says of the frame.
+        """
         last_s, broken = self._last_s, self.broken
-        if not frame.is_corrupt and (frame.key_frame or frame.pict_type == PictureType.I):
+        if not frame.is_corrupt and (is_key or frame.key_frame or frame.pict_type == PictureType.I):
             self._smears, self._entered = False, True
         elif broken or (frame.is_corrupt and self._entered):
             self._smears = True
