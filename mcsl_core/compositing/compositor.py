@@ -26,6 +26,7 @@ from .camera_warper import CameraWarper
 from .frame_context import FrameContext
 from .parallax import Parallax
 from .picture_source import PictureSource
+from .stand_ins import StandIns
 
 BLOCK_S = 10  # conformed chunks, and what a filler that remembers begins anew, lie on one grid
 
@@ -48,6 +49,11 @@ class Compositor:
     parallax : Parallax, optional
         Shared by the compositors of one EDL; its own without.
 
+    Attributes
+    ----------
+    stand_ins : StandIns
+        Which camera was shown where the chosen one has no picture, in what was made so far.
+
     Notes
     -----
     A frame depends on its frame number and the EDL alone, not on the range it is made in.
@@ -68,6 +74,7 @@ class Compositor:
             (part, _with_look(decision, look), pose_index) for part, decision, pose_index in resolve_by_pose(edl)
         )
         self._warper = CameraWarper(edl, pictures, resampling, parallax)
+        self.stand_ins = StandIns()
 
     def __enter__(self) -> Compositor:
         return self
@@ -130,12 +137,18 @@ class Compositor:
         return self.filler.unfilled(context) if isinstance(self.filler, ShowProvenance) else context.front
 
     def _camera_with_picture(self, frame: int, decision: Decision, pose_index: int) -> str | None:
-        """The decision's camera, or who stands in for it where it has none: the reference, then who may fill."""
-        others = self._warper.others(pose_index, decision.camera) if decision.fill else ()
-        for camera in dict.fromkeys((decision.camera, self.edl.reference, *others)):
-            if self._warper.own_picture(camera, frame) is not None:
-                return camera
-        return None
+        """The decision's camera, or who stands in for it where it has no picture.
+
+        That is the reference, else the nearest viewpoint, else a camera whose place is not known: a picture that jumps
+        tells a viewer more than black. None where no camera has one.
+        """
+        chosen = decision.camera
+        others = (self.edl.reference, *self._warper.others(pose_index, chosen), *(c.name for c in self.edl.cameras))
+        having = (c for c in dict.fromkeys((chosen, *others)) if self._warper.own_picture(c, frame) is not None)
+        shown = next(having, None)
+        if shown != chosen:
+            self.stand_ins.add(chosen, shown, frame)
+        return shown
 
 
 @frozen(eq=False)

@@ -18,6 +18,7 @@ from attrs import frozen
 
 from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.compositing.parallax import Parallax
+from mcsl_core.compositing.stand_ins import StandIns
 from mcsl_core.edl.dependencies import views_of
 from mcsl_core.edl.resolve import resolve_by_pose
 from mcsl_core.errors import Cancelled, UsageError
@@ -241,6 +242,7 @@ class _ChunkMaker:
             self._encoding = attrs.evolve(self._encoding, options={**self._encoding.options, "threads": "1"})
         self._stopped, self._lock = threading.Event(), threading.Lock()
         self.frames = 0
+        self.stand_ins = StandIns()
 
     def stop(self) -> None:
         """Has every call under way end with `Cancelled` at its next frame."""
@@ -271,6 +273,8 @@ class _ChunkMaker:
                 writer.write(planes)
                 with self._lock:
                     self.frames += 1
+        with self._lock:
+            self.stand_ins.update(compositor.stand_ins)
         return path
 
 
@@ -303,4 +307,5 @@ def _make_chunks(
                 raise
     finally:
         cv2.setNumThreads(threads_before)
+    maker.stand_ins.tell(source.edl.rate, progress)
     tell_of_damage(maker.footage, progress)

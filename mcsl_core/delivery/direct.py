@@ -86,4 +86,5 @@ def write_direct(
                     break
                 writer.write_audio(block[:, None].repeat(video.audio_channels, axis=1))
             progress.advance(done)
+    compositor.stand_ins.tell(edl.rate, progress)
     tell_of_damage(footage, progress)

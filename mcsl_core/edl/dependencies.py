@@ -17,6 +17,7 @@ from .resolve import Decision, offset_at
 from .schema import Camera, Edl, Matrix, Matrix34, Pose
 
 Offset = tuple[float, float]
+_LATE = 2  # frames: a first picture that is late by no more stands from the beginning
 
 
 @frozen
@@ -51,16 +52,26 @@ class FillViews:
 def views_of(edl: Edl, pose: Pose, decision: Decision) -> tuple[View, ...]:
     """The cameras that may be looked at under ``decision``, in the EDL's order.
 
-    They are the shot's, the reference, which stands in where the shot's has no picture, and for the fill all that it
-    can lay somewhere.
+    They are the shot's, the reference, which stands in where the shot's has no picture, any other where that has none
+    either, and for the fill all that it can lay somewhere.
     """
+    first = decision.camera, edl.reference
+    any_other = all(_may_lack_pictures(edl, name) for name in first)
     found = []
     for camera in edl.cameras:
         placement = placement_matrix(edl, pose, camera.name)
-        if camera.name in (decision.camera, edl.reference) or (decision.fill and placement is not None):
+        if camera.name in first or any_other or (decision.fill and placement is not None):
             colour = pose.colour[camera.name].matrix if decision.colour and camera.name in pose.colour else None
             found.append(View(camera, placement, colour))
     return tuple(found)
+
+
+def _may_lack_pictures(edl: Edl, name: str) -> bool:
+    """Whether a camera has gaps, or as far as the EDL knows begins after the programme or ends before it."""
+    camera = edl.camera(name)
+    length_s = sum(media.frames for media in camera.media) / camera.rate
+    begin, end = (camera.clock.programme_time(time_s) * float(edl.rate) for time_s in (0, length_s))
+    return bool(camera.gaps) or begin > _LATE or end < edl.frames - _LATE
 
 
 def fill_views(edl: Edl, pose_index: int) -> FillViews:

@@ -109,7 +109,6 @@ def probe(path: str | Path) -> MediaFacts:
     header = _read_header(path)
     packets = _from_index(path, header) if 0 < header.counted <= len(header.index) else _from_packets(path, header)
     stamps, tick = packets.stamps, header.tick
-    times = np.sort(np.array(stamps, np.float64)) * float(tick)
     span = Fraction(max(stamps) - min(stamps)) * tick if len(stamps) > 1 else Fraction(0)
     rate = frame_rate(stamps, tick, header.declared_rate)
     end = header.promised_end_s if packets.truncated else None
@@ -128,7 +127,7 @@ def probe(path: str | Path) -> MediaFacts:
         end_s=end,
         usable_s=end if packets.usable_s is None else min(packets.usable_s, end),
         tick_s=tick,
-        variable_rate=is_variable(times),
+        variable_rate=is_variable(np.sort(np.array(stamps, np.float64)) * float(tick)),
         keyframe_interval_s=float(span + 1 / rate) / max(1, packets.keyframes),
         codec=header.codec,
         pixel_format=header.pixel_format,

@@ -13,7 +13,7 @@ from builders import R, small_edl
 from hypothesis import given
 from strategies import edls
 
-from mcsl_core.edl import Edl, Look, Override
+from mcsl_core.edl import Camera, Edl, Look, Override
 from mcsl_core.edl.dependencies import (
     fill_views,
     follows_centering,
@@ -24,6 +24,7 @@ from mcsl_core.edl.dependencies import (
 )
 from mcsl_core.edl.placement import placement_matrix
 from mcsl_core.edl.resolve import offset_at, resolve_by_pose
+from mcsl_core.timing import FrameRange
 
 EDL = small_edl(centering=((0, 5.0, 0.0), (150, 9.0, 1.0), (200, 1.0, 4.0)))
 
@@ -43,6 +44,21 @@ def test_with_fill_all_take_part_without_it_the_shots_camera_and_the_reference()
     assert names(attrs.evolve(EDL, look=Look(fill=False)), 10) == ["cam1"]
 
 
+def fills(edl: Edl, camera: Camera) -> bool:
+    """Whether the camera's files last from the programme's first frame to its last."""
+    length_s = sum(media.frames for media in camera.media) / camera.rate
+    begin, end = camera.clock.programme_time(0), camera.clock.programme_time(length_s)
+    return begin <= 0 and end >= edl.frames / edl.rate
+
+
+def test_where_neither_the_shots_camera_nor_the_reference_is_whole_any_may_stand_in() -> None:
+    plain = attrs.evolve(EDL, look=Look(fill=False))
+    gap = (FrameRange(205, 215),)
+    for lacking, found in [({"cam3"}, ["cam1", "cam3"]), ({"cam1", "cam3"}, ["cam1", "cam2", "cam3"])]:
+        cameras = tuple(attrs.evolve(c, gaps=gap) if c.name in lacking else c for c in plain.cameras)
+        assert names(attrs.evolve(plain, cameras=cameras), 210) == found
+
+
 @given(edls())
 def test_every_view_lies_where_the_edl_says_and_is_in_the_decisions_colours(edl: Edl) -> None:
     for _, decision, number in resolve_by_pose(edl):
@@ -54,7 +70,9 @@ def test_every_view_lies_where_the_edl_says_and_is_in_the_decisions_colours(edl:
             assert view.placement == placement_matrix(edl, pose, view.camera.name)
             matched = pose.colour.get(view.camera.name) if decision.colour else None
             assert view.colour == (None if matched is None else matched.matrix)
-            assert decision.fill or view.camera.name in (decision.camera, edl.reference)
+        first = {decision.camera, edl.reference}
+        if not decision.fill and {v.camera.name for v in views} != first:
+            assert all(edl.camera(name).gaps or not fills(edl, edl.camera(name)) for name in first)
 
 
 @given(edls())
