@@ -173,6 +173,7 @@ def _unpack_damage(arrays: Arrays) -> DamageOf:
 
 CLOCKS = Stage("clocks", _pack_clocks, _unpack_clocks)
 DAMAGE = Stage("damage", _pack_damage, _unpack_damage)
+DAMAGE_MET = Stage("decoding", _pack_damage, _unpack_damage)
 MOVEMENTS = Stage("movements", _pack_detection, _unpack_detection)
 POSES = Stage("poses", _pack_poses, _unpack_poses)
 SCORES = Stage("scores", ScoreTable.arrays, ScoreTable.from_arrays)

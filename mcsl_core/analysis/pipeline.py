@@ -25,7 +25,7 @@ from mcsl_core.hooks.watch import Watch
 from mcsl_core.occlusion.scoring import score_views, scoring_segments
 from mcsl_core.progress import Progress
 from mcsl_core.recording.cameras import choose_reference, open_cameras, programme_length
-from mcsl_core.recording.damage import damage_of, tell_of_damage, with_gaps
+from mcsl_core.recording.damage import DamageOf, damage_met, damage_of, with_gaps
 from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.sample_store import SampleStore
 from mcsl_core.selection.gaps import without_gaps
@@ -33,7 +33,7 @@ from mcsl_core.selection.switch_refinement import refine_switches, with_switches
 from mcsl_core.sync.synchronise import synchronise
 from mcsl_core.temporary import temporary_folder
 
-from .cache import CLOCKS, CUTS, DAMAGE, MOVEMENTS, POSES, SCORES, Deferred, StageCache
+from .cache import CLOCKS, CUTS, DAMAGE, DAMAGE_MET, MOVEMENTS, POSES, SCORES, Deferred, StageCache
 from .measurements import Measurements
 from .place import EdlPlace, cache_folder
 from .settings import AnalysisSettings
@@ -74,7 +74,8 @@ def _analysed(
     rate = settings.rate or reference.rate
     cache = StageCache(cache_folder(out) if settings.cache else None, progress)
     footage = _on_one_clock(cameras, reference.name, out.parent, rate, settings, cache, progress)
-    footage = _with_gaps(footage, cache, progress)
+    found = cache.remember(DAMAGE, damage_key(cameras), damage_of, footage, progress)
+    footage = _with_gaps(footage, found, progress)
     cameras, frames = footage.cameras, footage.frames
     sizes = {camera.name: camera.size for camera in cameras}
     shown = Shown(float(rate), frames, reference.size, sizes)
@@ -85,6 +86,8 @@ def _analysed(
 
     with ExitStack() as opened:
         samples = Deferred(opened.enter_context, _samples(footage, cache, keys.samples, settings.sample_s, progress))
+        met = cache.remember(DAMAGE_MET, keys.samples, damage_met, footage, samples)
+        footage = _with_gaps(footage, met, progress)
         detection = cache.remember(MOVEMENTS, keys.movements, by["movement"].detect, samples, footage, progress)
         movements = detection.movements
         solver = PoseSolver(sizes, reference.name, by["matcher"], by["aligner"], settings.solve)
@@ -119,10 +122,9 @@ def _analysed(
     return made
 
 
-def _with_gaps(footage: Footage, cache: StageCache, progress: Progress) -> Footage:
+def _with_gaps(footage: Footage, damage: DamageOf, progress: Progress) -> Footage:
     """``footage`` whose cameras know where their files are damaged."""
-    found = cache.remember(DAMAGE, damage_key(footage.cameras), damage_of, footage, progress)
-    cameras = with_gaps(footage, found, progress)
+    cameras = with_gaps(footage, damage, progress)
     if cameras == footage.cameras:
         return footage
     return Footage(cameras, rate=footage.rate, frames=footage.frames, base=footage.base)
@@ -167,7 +169,6 @@ def _samples(footage: Footage, cache: StageCache, key: str, step_s: float, progr
     with temporary_folder("samples") as folder:
         store = store or folder / "samples"
         with closing(SampleStore.record(footage, store, progress, step_s=step_s)) as samples:
-            tell_of_damage(footage, progress)
             cache.prune("samples", kept=2)  # the pictures and their contents; some 20 MB a minute
             yield samples
 

@@ -52,6 +52,7 @@ class VideoReader:
         self._skip = "" if facts.decoding_order else skip  # what is left out could not be counted
         self._keys: list[int] = []
         self._woven = False  # whether a keyframe was
+        self.broken_key_s: Fraction | None = None  # the time of the keyframe asked for last, where it is damaged
         self._reopen()
 
     def _reopen(self) -> None:
@@ -178,6 +179,7 @@ class VideoReader:
             The keyframe's time on the file's own time, and the frame; None where none can be decoded, and where its
             time is known only after those around it.
         """
+        self.broken_key_s = None
         if self.facts.decoding_order:
             return None
         tick = self._stream.time_base
@@ -205,6 +207,8 @@ class VideoReader:
         first = next((p for p in packets if p.is_keyframe and p.size), None)
         if first is None:
             return []
+        begin = timestamp_of(first)
+        self.broken_key_s = None if begin is None else begin * self._stream.time_base - self.facts.zero_s
         frames = context.decode(first)
         if self._woven:
             for packet in itertools.islice((p for p in packets if p.size), _REORDERED):
@@ -216,6 +220,8 @@ class VideoReader:
         shown = _from(frames, first)[:2]
         if shown and shown[0].is_corrupt:
             return []
+        if shown:
+            self.broken_key_s = None
         if shown and not self._woven and is_woven(shown[0], self.facts.scan):
             self._woven = True
             return self._keyframe_and_next(target)

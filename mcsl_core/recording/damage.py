@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from fractions import Fraction
-from math import ceil
 
 import attrs
 
 from mcsl_core.edl import Camera
 from mcsl_core.media.damage import Damage, find_damage
+from mcsl_core.media.reading import VideoReader
 from mcsl_core.progress import Progress
 from mcsl_core.timing import FrameRange, format_time
 
-from .decoder import Part, exact_programme_time
+from .decoder import Part, part_at
 from .footage import Footage
+from .sample_store import SampleStore
 
 DamageOf = Mapping[str, tuple[tuple[Damage, ...], ...]]  # camera -> one entry for each of its files
 _MIB = 1 << 20
@@ -46,10 +48,10 @@ def damage_of(footage: Footage, progress: Progress) -> DamageOf:
 
 
 def with_gaps(footage: Footage, damage: DamageOf, progress: Progress) -> tuple[Camera, ...]:
-    """The cameras of ``footage``, whose clocks are set, with the gaps that ``damage`` makes; every one is told."""
+    """The cameras of ``footage``, whose clocks are set, with the gaps that ``damage`` makes beside theirs; all told."""
     cameras = []
     for camera in footage.cameras:
-        gaps: list[FrameRange] = []
+        gaps = list(camera.gaps)
         notes = []
         for part, found in zip(footage.parts(camera.name), damage[camera.name], strict=True):
             for one in found:
@@ -67,12 +69,8 @@ def with_gaps(footage: Footage, damage: DamageOf, progress: Progress) -> tuple[C
 
 def _gap(footage: Footage, camera: Camera, part: Part, damage: Damage) -> FrameRange | None:
     """The programme frames that would show it."""
-
-    def first_showing(file_s: Fraction) -> int:
-        camera_s = part.begin_s + file_s - part.facts.tolerance_s
-        return min(max(ceil(exact_programme_time(camera, camera_s) * footage.rate), 0), footage.frames)
-
-    start, stop = first_showing(damage.start_s), first_showing(damage.stop_s)
+    begin_s = part.begin_s - part.facts.tolerance_s
+    start, stop = (footage.first_showing(camera.name, begin_s + s) for s in (damage.start_s, damage.stop_s))
     return FrameRange(start, stop) if start < stop else None
 
 
@@ -83,6 +81,61 @@ def _joined(gaps: Sequence[FrameRange]) -> list[FrameRange]:
             gap = FrameRange(joined[-1].start, max(joined.pop().stop, gap.stop))
         joined.append(gap)
     return joined
+
+
+def damage_met(footage: Footage, samples: SampleStore) -> DamageOf:
+    """What is damaged inside the pictures that sampling met, which no packet tells: around each of them, exactly.
+
+    A keyframe that is hit takes all to the next one with it. What hits other pictures only, sampling by keyframes does
+    not see.
+    """
+    found = {}
+    for camera in footage.cameras:
+        each: list[list[Damage]] = [[] for _ in footage.parts(camera.name)]
+        for frame in samples.damaged.get(camera.name, ()):
+            around = _damage_around(footage, camera.name, frame)
+            if around is not None and around[1] not in each[around[0]]:
+                each[around[0]].append(around[1])
+        found[camera.name] = tuple(tuple(of) for of in each)
+    return found
+
+
+def _damage_around(footage: Footage, camera: str, frame: int) -> tuple[int, Damage] | None:
+    """In which of the camera's files, and from its first picture that is not whole to the next that is; or None."""
+    camera_s = footage.camera_time(camera, frame)
+    parts = footage.parts(camera)
+    part = part_at(parts, camera_s)
+    file_s = None if part is None else part.file_time(camera_s)
+    if part is None or file_s is None:
+        return None
+    facts, back = part.facts, Fraction(part.facts.keyframe_interval_s)
+    with closing(VideoReader(facts, threads=1)) as reader:
+        from_s = max(file_s - back, facts.start_s)
+        start_s, stop_s = _not_whole(reader, from_s, file_s)
+        while start_s is not None and start_s <= from_s and from_s > facts.start_s:
+            back *= 2
+            from_s = max(file_s - back, facts.start_s)
+            start_s, stop_s = _not_whole(reader, from_s, file_s)
+    if start_s is None:
+        return None
+    return parts.index(part), Damage(start_s, stop_s or facts.usable_s, "damaged")
+
+
+def _not_whole(reader: VideoReader, from_s: Fraction, at_s: Fraction) -> tuple[Fraction | None, Fraction | None]:
+    """From where to where what is shown at ``at_s`` is not whole, as read from ``from_s`` on; None where it is whole.
+
+    Without a stop it is not whole to the end.
+    """
+    start_s = None
+    for time_s, frame in reader.read(from_s):
+        if time_s > at_s + reader.facts.tolerance_s:
+            if start_s is None or frame is not None:
+                return start_s, time_s
+        elif frame is not None:
+            start_s = None
+        elif start_s is None:
+            start_s = time_s
+    return start_s, None
 
 
 def tell_of_damage(footage: Footage, progress: Progress) -> None:

@@ -89,6 +89,7 @@ class Decoder:
         self._now: tuple[Fraction, Any | None] | None = None
         self._next: tuple[Fraction, Any | None] | None = None
         self.damaged = False  # whether what was asked for last is in a file, but not whole
+        self.broken_key_s: Fraction | None = None  # the damaged keyframe that was met on the way, the camera's own time
 
     def close(self) -> None:
         """Closes the file that is open, and lets go of its frames."""
@@ -130,10 +131,12 @@ class Decoder:
 
     def keyframe(self, camera_s: Fraction, within_s: Fraction) -> DecodedFrame | None:
         """As `at`, but the nearest keyframe where there is one within ``within_s`` seconds."""
+        self.broken_key_s = None
         file_time = self._enter(camera_s)
         if file_time is None or self._part is None or self._reader is None:
             return None
-        found = self._reader.keyframe(file_time)
+        found, broken_s = self._reader.keyframe(file_time), self._reader.broken_key_s
+        self.broken_key_s = None if broken_s is None else self._part.begin_s + broken_s
         self._now, self.damaged = None, False  # the reader has seeked elsewhere
         if found is None or abs(found[0] - file_time) > within_s:
             return self.at(camera_s)

@@ -14,6 +14,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import closing
 from fractions import Fraction
 from functools import partial
+from math import ceil
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +28,7 @@ from mcsl_core.media.probing import probe
 from mcsl_core.timing import FrameRange, ranges_of
 
 from .audio import camera_audio
-from .decoder import DecodedFrame, Decoder, Part, exact_camera_time
+from .decoder import DecodedFrame, Decoder, Part, exact_camera_time, exact_programme_time
 from .joining import joined
 from .sound_track import SoundTrack, sound_track
 
@@ -121,6 +122,11 @@ class Footage:
         """The programme frame nearest to the camera's own time ``camera_s``."""
         return round(Fraction(self.camera(camera).clock.programme_time(camera_s)) * self.rate)
 
+    def first_showing(self, camera: str, camera_s: Fraction) -> int:
+        """The first programme frame that shows the picture of the camera's own time ``camera_s``; 0 to the length."""
+        frame = ceil(exact_programme_time(self.camera(camera), camera_s) * self.rate)
+        return min(max(frame, 0), self.frames)
+
     def has_gap(self, camera: str, frame: int) -> bool:
         """Whether programme frame ``frame`` lies in one of the camera's gaps, where it has no picture."""
         return any(frame in gap for gap in self.camera(camera).gaps)
@@ -139,6 +145,10 @@ class Footage:
         if self.has_gap(camera, frame):
             return None
         shown = decoder.keyframe(self.camera_time(camera, frame), within_s)
+        if decoder.broken_key_s is not None:
+            broken = self.first_showing(camera, decoder.broken_key_s)
+            if broken < self.frames and not self.has_gap(camera, broken):
+                self._damaged[camera].add(broken)
         if shown is None or self.has_gap(camera, self.programme_frame(camera, shown.camera_s)):
             return self.shown(camera, decoder, frame)
         return shown

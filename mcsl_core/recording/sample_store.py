@@ -53,11 +53,12 @@ class Sample:
 
 @frozen
 class _Contents:
-    """Where each picture lies: by sample, camera -> (first byte, bytes)."""
+    """Where each picture lies: by sample, camera -> (first byte, bytes). ``damaged``: as `SampleStore` has it."""
 
     cameras: tuple[str, ...]
     frames: tuple[int, ...]
     pictures: tuple[dict[str, tuple[int, int]], ...]
+    damaged: dict[str, tuple[int, ...]] = field(factory=dict)
 
     def __attrs_post_init__(self) -> None:
         rising = all(a < b for a, b in pairwise((-1, *self.frames)))
@@ -81,6 +82,8 @@ class SampleStore:
         The programme frame of each sample, rising.
     cameras
         Their names.
+    damaged
+        Camera -> programme frames at which sampling met pictures that could not be decoded whole.
 
     Examples
     --------
@@ -93,6 +96,7 @@ class SampleStore:
     cameras: tuple[str, ...]
     _index: list[dict[str, tuple[int, int]]]
     _file: BinaryIO = field(repr=False)
+    damaged: dict[str, tuple[int, ...]] = field(factory=dict)
 
     @classmethod
     def record(cls, footage: Footage, store: Path, progress: Progress, *, step_s: float = 1.0) -> SampleStore:
@@ -144,12 +148,13 @@ class SampleStore:
             made._index.append(spans)
             progress.advance(min(sample.frame, footage.frames))
         progress.advance(footage.frames)
+        made.damaged = {name: tuple(n for piece in met for n in piece) for name, met in footage.damage_met().items()}
         with writing(store):
             stream.flush()
         return made
 
     def _contents(self) -> dict[str, Any]:
-        return {"cameras": self.cameras, "frames": self.frames, "pictures": self._index}
+        return {"cameras": self.cameras, "frames": self.frames, "pictures": self._index, "damaged": self.damaged}
 
     @classmethod
     def load(cls, store: Path) -> SampleStore | None:
@@ -160,7 +165,8 @@ class SampleStore:
             check_file(store)
             if store.stat().st_size != contents.size:
                 return None
-            return cls(list(contents.frames), contents.cameras, list(contents.pictures), store.open("rb"))
+            index = list(contents.pictures)
+            return cls(list(contents.frames), contents.cameras, index, store.open("rb"), contents.damaged)
         except (OSError, InputError):
             return None
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import random
 import subprocess
 import sys
 from pathlib import Path
 
 import attrs
+import av
 import numpy as np
 import pytest
 
@@ -21,6 +23,7 @@ from mcsl_core.simulation import Scenario, simulate
 pytestmark = pytest.mark.slow
 
 BEST = "cam2"  # damaged where it would be chosen
+HIT = "cam3"  # inside one keyframe, of which no packet tells
 
 
 def run(*arguments: object) -> str:
@@ -28,6 +31,11 @@ def run(*arguments: object) -> str:
     done = subprocess.run(command, capture_output=True, text=True, timeout=500, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout + done.stderr
+
+
+def _second_keyframe(path: Path) -> int:
+    with av.open(str(path)) as container:
+        return [packet.pos for packet in container.demux(video=0) if packet.is_keyframe and packet.size > 1000][1]
 
 
 @pytest.fixture(scope="module")
@@ -40,6 +48,9 @@ def analysed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Edl, str]:
         data = bytearray(path.read_bytes())
         if name == BEST:
             data[len(data) // 2 : len(data) // 2 + len(data) // 8] = bytes(len(data) // 8)
+        if name == HIT:
+            at = _second_keyframe(path)
+            data[at + 400 : at + 700] = random.Random(1).randbytes(300)
         path.write_bytes(data)
     told = run("analyse", folder / "recording", "-o", folder / "edl.json")
     return folder, document.load(folder / "edl.json"), told
@@ -51,7 +62,10 @@ def test_the_edl_and_the_notes_say_where_there_is_no_picture(analysed):
     assert 20 < len(gap) < 300
     assert f"{BEST} has no picture in {BEST}.mp4" in told
     assert f"no picture: {BEST} from" in told
-    assert all(not camera.gaps for camera in edl.cameras if camera.name != BEST)
+    (hit,) = edl.camera(HIT).gaps
+    assert 2 < len(hit) < 300
+    assert f"{HIT} has no picture in {HIT}.mp4" in told
+    assert all(not camera.gaps for camera in edl.cameras if camera.name not in (BEST, HIT))
     again = run("--progress", "json", "analyse", folder / "recording", "-o", folder / "edl.json")
     assert BEST in again, "from the cache it is told again"
     assert document.load(folder / "edl.json") == edl
@@ -83,4 +97,4 @@ def test_the_report_shows_it(analysed):
     _, edl, _ = analysed
     facts = gather(edl, None)
     assert facts.gaps
-    assert [bool(lane.gaps) for lane in facts.lanes] == [camera.name == BEST for camera in edl.cameras]
+    assert [bool(lane.gaps) for lane in facts.lanes] == [camera.name in (BEST, HIT) for camera in edl.cameras]

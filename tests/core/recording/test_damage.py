@@ -13,8 +13,9 @@ from mcsl_core.imaging.planes import planes_to_bgr
 from mcsl_core.media.damage import find_damage
 from mcsl_core.media.probing import probe
 from mcsl_core.progress import Silent
-from mcsl_core.recording.damage import damage_of, tell_of_damage, with_gaps
+from mcsl_core.recording.damage import damage_met, damage_of, tell_of_damage, with_gaps
 from mcsl_core.recording.footage import Footage
+from mcsl_core.recording.sample_store import SampleStore
 from mcsl_core.timing import FrameRange
 
 RATE = Fraction(30)
@@ -106,6 +107,38 @@ def test_damage_inside_one_packet_is_met_by_the_decoder_and_told(tmp_path, threa
     tell_of_damage(footage, notes)
     assert len(notes.notes) == 1
     assert "cam is damaged from 0:00:03." in notes.notes[0]
+
+
+@pytest.mark.parametrize("offset_s", [0.0, 0.2, -0.2])
+@pytest.mark.parametrize(("name", "codec"), [("a.mp4", "libx264"), ("a.ts", "libx264"), ("m.mkv", "mpeg2video")])
+def test_a_keyframe_that_sampling_meets_damaged_is_a_gap(tmp_path, name, codec, offset_s):
+    """Whether the sample that met it lies before it or behind it; kept with the samples."""
+    path = write_film(tmp_path, name, codec)
+    damaged(path, place_of(path, 90) + 1200, noise(60))  # within one packet of a transport stream
+    footage = footage_of_file(path, clock=Clock(offset_s=offset_s), gaps=None)
+    assert footage.camera("cam").gaps == (), "no packet tells"
+    SampleStore.record(footage, tmp_path / "samples", Silent()).close()
+    samples = SampleStore.load(tmp_path / "samples")
+    assert samples is not None
+    notes = Notes()
+    (camera,) = with_gaps(footage, damage_met(footage, samples), notes)
+    samples.close()
+    shift = round(offset_s * RATE)
+    (gap,) = camera.gaps
+    assert 90 - 2 <= gap.start - shift <= 90
+    assert gap.stop - shift == 120
+    assert [note for note in notes.notes if "cam has no picture in" in note and "damaged" in note]
+    again = Footage([camera], rate=RATE, frames=FRAMES, base=tmp_path, threads=1)
+    seen = shown(again)
+    assert all(number == frame - shift for frame, number in seen.items() if 0 <= frame - shift < FRAMES)
+    assert again.damage_met() == {}, "all of it is in the gap"
+
+
+def test_a_whole_film_has_no_damage_that_sampling_meets(tmp_path):
+    footage = footage_of_file(write_film(tmp_path, "a.mp4"))
+    samples = SampleStore.record(footage, tmp_path / "samples", Silent())
+    assert damage_met(footage, samples) == {"cam": ((),)}
+    samples.close()
 
 
 def test_an_edl_without_the_gap_shows_no_frozen_picture_either(tmp_path):
