@@ -4,12 +4,19 @@ World: mm, z up, the table about z = 0. Pixels: full-size, centres at integers. 
 programme's, which are the reference camera's (the first's).
 """
 
-from .recorder import Recorder
-from .recording import simulate
-from .scenario import Scenario
-from .truth import PoseTruth, Truth, alignment_error, best_plane, best_plane_error, load_truth
+from typing import TYPE_CHECKING
+
+from mcsl_core.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from .families import FAMILIES
+    from .recorder import Recorder
+    from .recording import simulate
+    from .scenario import Scenario
+    from .truth import PoseTruth, Truth, alignment_error, best_plane, best_plane_error, load_truth
 
 __all__ = [
+    "FAMILIES",
     "PoseTruth",
     "Recorder",
     "Scenario",
@@ -20,3 +27,21 @@ __all__ = [
     "load_truth",
     "simulate",
 ]
+
+__getattr__, __dir__ = lazy_names(
+    __name__,
+    {
+        f"{__name__}.families": ["FAMILIES"],
+        f"{__name__}.recorder": ["Recorder"],
+        f"{__name__}.recording": ["simulate"],
+        f"{__name__}.scenario": ["Scenario"],
+        f"{__name__}.truth": [
+            "PoseTruth",
+            "Truth",
+            "alignment_error",
+            "best_plane",
+            "best_plane_error",
+            "load_truth",
+        ],
+    },
+)

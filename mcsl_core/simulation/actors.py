@@ -6,6 +6,8 @@ begins at the wrist and leads to -x; a head faces +x from its origin. Lengths in
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from mcsl_core.simulation import tools
@@ -18,12 +20,16 @@ GLOVES = {
     "blue": (0.74, 0.50, 0.40),
     "skin": (0.50, 0.62, 0.78),
     "green": (0.50, 0.58, 0.30),
+    "tan": (0.47, 0.56, 0.66),
+    "bare": (0.47, 0.58, 0.80),
 }
 GOWNS = {
     "green": (0.38, 0.46, 0.20),
     "blue": (0.55, 0.36, 0.17),
     "white": (0.55, 0.40, 0.22),
     "skin": (0.40, 0.53, 0.70),
+    "brown": (0.24, 0.32, 0.44),
+    "blown": (0.55, 0.40, 0.22),
 }
 GRIPS = 5
 """How many steps there are between a closed and an open grip."""
@@ -35,7 +41,9 @@ REACH_MM = 200.0
 
 
 def glove_material(scenario: Scenario) -> Material:
-    """The gloves' rubber."""
+    """The gloves' rubber, or skin where there are none."""
+    if scenario.gloves == "bare":
+        return Material(GLOVES["bare"], gloss=0.08, rough_mm=0.22, rough_length_mm=5, mottle=0.06, soft_mm=1.2)
     return Material(
         GLOVES[scenario.gloves], gloss=0.3, hardness=26, rough_mm=0.28, rough_length_mm=15, mottle=0.02, soft_mm=1.7
     )
@@ -83,12 +91,20 @@ def hand(scenario: Scenario, worker: int, kind: int, grip: float, left: bool, pi
              [12.5, 10.5, 9.2, 7.4], glove, melt)  # fmt: skip
     clay.rod(at([(38, 36, 22), (74, 50 + spread, 24), (108, 42 + spread, 20), (136, 22 + spread, 9)]),
              [15, 12.5, 11, 8.6], glove, melt)  # fmt: skip
+    wrist(clay, at, glove, bare=scenario.gloves == "bare")
+    stain = (-60.0 + rng.normal(0, 8), side * rng.uniform(5, 15), rng.uniform(25, 55))
+    return clay.bake(rng, stain)
+
+
+def wrist(clay: Clay, at: Callable[[list], list], glove: Material, *, bare: bool) -> None:
+    """A wrist in the glove's cuff with its rolled rim, or the wrist itself."""
+    if bare:
+        clay.rod(at([(10, 0, 20), (-20, 0, 20), (-60, 0, 20)]), [25, 23, 25], glove, 10)
+        return
     clay.rod(at([(6, 0, 20), (-14, 0, 20)]), [27, 29], glove, 10)
     clay.rod(at([(-14, 0, 20), (-34, 0, 20)]), [29.5, 31], glove, 6)
     rim = [(-35, y, 20 + np.sqrt(max(31.5**2 - y * y, 0))) for y in np.linspace(-31, 31, 15)]
     clay.rod(at(rim), 1.6, glove, 1)
-    stain = (-60.0 + rng.normal(0, 8), side * rng.uniform(5, 15), rng.uniform(25, 55))
-    return clay.bake(rng, stain)
 
 
 def holding_hand(scenario: Scenario, pitch: float) -> Sprite:
@@ -109,6 +125,10 @@ def sleeve(scenario: Scenario, worker: int, pitch: float, length: float = 420.0)
     """A forearm in its gown, from the knitted cuff at the wrist up to the elbow and beyond."""
     rng = scenario.stream("sleeve", worker)
     clay = Clay(-length, -75, 45, 75, pitch)
+    if scenario.gloves == "bare":
+        clay.rod([(40, 0, 10), (-60, 0, 10), (-190, 2, 10)], [23, 27, 38], glove_material(scenario), 6)
+        clay.rod([(-170, 0, 12), (-230, 4, 12), (-length + 60, 0, 12)], [52, 55, 58], gown_material(scenario), 3)
+        return clay.bake(rng)
     clay.rod([(40, 0, 10), (-18, 0, 10)], [27, 31], CUFF, 4)
     stations = np.linspace(-14, -length + 60, 14)
     points = [(x, rng.normal(0, 2.5), 10 + rng.normal(0, 1.5)) for x in stations]

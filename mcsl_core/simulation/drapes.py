@@ -18,8 +18,11 @@ COLOURS = {
     "blue": (0.60, 0.37, 0.16),
     "white": (0.70, 0.71, 0.68),
     "skin": (0.42, 0.55, 0.72),
+    "brown": (0.24, 0.36, 0.50),
+    "blown": (1.75, 1.76, 1.70),
 }
-"""Cloth in full light, BGR; "skin" has the skin's hue, so that hue tells nothing."""
+"""Cloth in full light, BGR; "skin" and "brown" have the skin's hue, so that hue tells nothing, and "blown" is white
+cloth under exposure for the wound."""
 
 
 def paint_drapes(scenario: Scenario, site: Site, grid: Grid) -> tuple[NDArray, NDArray]:

@@ -124,6 +124,8 @@ def litter(scenario: Scenario, site: Site, layer: NDArray, pitch: float) -> None
         middle = 80 * np.array([np.cos(turn), np.sin(turn)])
         paste(layer, clay.bake(rng), (far * np.cos(angle) + middle[0], far * np.sin(angle) + middle[1]), turn, pitch, 4)
 
+    if scenario.traits.limb:
+        return  # whose incision is sutured
     # Two retractors hold the wound open; their handles lead out over the drapes.
     for side in (-1, 1):
         clay = Clay(-205, -30, 12, 30, pitch)

@@ -185,7 +185,7 @@ def _truth(
     points = scene.surface.field_points_mm
     poses, errors = [], []
     for n, pose in enumerate(scene.path.poses):
-        pinholes = [scene.rig.pinhole(c, pose) for c in range(len(names))]
+        pinholes = [scene.rig.camera(c, pose) for c in range(len(names))]
         px = np.stack([pinhole.project(points) for pinhole in pinholes])
         poses.append(
             PoseTruth(
@@ -194,6 +194,7 @@ def _truth(
                 R=np.stack([v.R for v in pinholes]),
                 t=np.stack([v.t for v in pinholes]),
                 field_points_px=px,
+                k1=np.array([v.k1 for v in pinholes]),
             )
         )
         errors.append(

@@ -15,6 +15,7 @@ from .backdrop import Backdrop
 from .clocks import Clock
 from .ground import Ground
 from .layers import Box, Overlay, Picture, layer_of
+from .optics import Optics
 from .rig import PinholeCamera, cross, unit
 from .scenario import Scenario
 from .scene import Placement, Scene
@@ -62,7 +63,8 @@ class CameraPictures:
         scenario = scene.scenario
         self._size = width, height = scenario.size
         rng, gains, corner = sensor(scenario, camera)
-        self._gains = gains
+        self._gains, self._k1 = gains, float(scene.rig.k1[camera])
+        self._optics = Optics(scenario, scene.path, camera)
         self._backdrop = Backdrop(scene, ground, camera, gains)
         self._sprites: dict[int, tuple[NDArray, NDArray, NDArray, NDArray]] = {}
         # Arms and heads are near the camera and out of focus: they are put together small and enlarged once.
@@ -82,7 +84,9 @@ class CameraPictures:
         t = self._clock.programme(k / float(self._scene.scenario.rate))
         background, pinhole = self._backdrop.at(t)
         picture = background.copy()
-        visible = FieldCount(pinhole.project(self._scene.surface.visibility_points_mm), self._size)
+        lens = pinhole.through_lens(self._k1)
+        points = self._scene.surface.visibility_points_mm
+        visible = FieldCount(pinhole.project(points), inside(lens.project(points), self._size))
         placements = list(self._scene.placements(t))
         for placement in placements:
             if placement.kind != "head":
@@ -99,7 +103,7 @@ class CameraPictures:
             if placement.kind == "head":
                 visible.occlude(self._draw(self._heads, placement, pinhole), self._heads.scale, False)
         self._heads.onto(picture)
-        return self._develop(picture, int(k)), visible.fractions()
+        return self._develop(self._optics.seen(picture, pinhole, lens, t), int(k)), visible.fractions()
 
     def _sprite(self, sprite: Sprite) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """The sprite as a layer in this camera's colours, and the soft shade it casts, small; each with its plane."""
@@ -148,25 +152,29 @@ class CameraPictures:
         return Picture(luma, picture.u, picture.v).planes()
 
 
+def inside(px: NDArray, size: tuple[int, int]) -> NDArray:
+    """(M,) which of (M, 2) pixels lie inside a picture of (width, height)."""
+    whole = np.rint(px).astype(np.intp)
+    return ((whole >= 0) & (whole < size)).all(1)
+
+
 class FieldCount:
     """Counts which of the field's points are still visible as things are drawn over them.
 
     Parameters
     ----------
     px
-        (M, 2) the points in the picture.
-    size
-        (width, height) of the picture.
+        (M, 2) the points in the picture as it is drawn.
+    shown
+        (M,) which of them lie inside the picture.
     """
 
-    def __init__(self, px: NDArray, size: tuple[int, int]) -> None:
-        whole = np.rint(px).astype(np.intp)
-        inside = ((whole >= 0) & (whole < size)).all(1)
+    def __init__(self, px: NDArray, shown: NDArray) -> None:
         self._total = len(px)
-        self._x, self._y = whole[inside].T
+        self._x, self._y = np.rint(px).astype(np.intp)[shown].T
         xy = (self._x, self._y)
         self._box = (*(v.min(initial=1 << 20) for v in xy), *(v.max(initial=-1) for v in xy))
-        self._visible = np.ones((2, int(inside.sum())), np.float32)
+        self._visible = np.ones((2, int(shown.sum())), np.float32)
 
     def occlude(self, drawn: tuple[Box, NDArray] | None, scale: int, is_hand: bool) -> None:
         """Counts what was drawn as an occlusion.

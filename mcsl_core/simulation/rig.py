@@ -30,11 +30,15 @@ class PinholeCamera:
         (3, 3) rotation, world to camera.
     t
         (3,) translation, mm.
+    k1
+        Radial distortion: a point at (x, y) of the plane z = 1 is seen at K (x, y) (1 + k1 r^2), r its distance from
+        the axis.
     """
 
     K: NDArray
     R: NDArray
     t: NDArray
+    k1: float = 0.0
 
     @property
     def centre_mm(self) -> NDArray:
@@ -43,11 +47,35 @@ class PinholeCamera:
 
     def project(self, points_mm: NDArray) -> NDArray:
         """(N, 3) world points to (N, 2) pixels."""
+        if self.k1:
+            local = points_mm @ self.R.T + self.t
+            at = local[:, :2] / local[:, 2:]
+            return at * (1 + self.k1 * (at * at).sum(1, keepdims=True)) @ self.K[:2, :2].T + self.K[:2, 2]
         homogeneous = (points_mm @ self.R.T + self.t) @ self.K.T
         return homogeneous[:, :2] / homogeneous[:, 2:]
 
+    def undistorted(self, px: NDArray) -> NDArray:
+        """Pixels (..., 2) as points (x, y) of the plane z = 1."""
+        seen = (px - self.K[:2, 2]) @ np.linalg.inv(self.K[:2, :2]).T
+        at = seen
+        for _ in range(12 if self.k1 else 0):
+            at = seen / (1 + self.k1 * (at * at).sum(-1, keepdims=True))
+        return at
+
+    def through_lens(self, k1: float) -> PinholeCamera:
+        """The same with distortion, its picture's corners where they were: nothing outside the picture is seen."""
+        if not k1:
+            return self
+        corner = self.K[:2, 2] / self.K[0, 0]
+        K = self.K.copy()
+        K[:2, :2] /= 1 + k1 * (corner @ corner)
+        return PinholeCamera(K, self.R, self.t, k1)
+
     def rays(self, px: NDArray) -> NDArray:
         """World directions (not normalised) through pixels (..., 2)."""
+        if self.k1:
+            at = self.undistorted(px)
+            return np.concatenate([at, np.ones((*at.shape[:-1], 1))], -1) @ self.R
         homogeneous = np.concatenate([px, np.ones((*px.shape[:-1], 1))], -1)
         return homogeneous @ (self.R.T @ np.linalg.inv(self.K)).T
 
@@ -108,6 +136,8 @@ class Rig:
         (cameras, 2): how far from the lamp's aim the optical axis passes.
     roll_error_deg
         (cameras,): rotation about the optical axis.
+    k1
+        (cameras,): their lenses' radial distortion.
     """
 
     size: tuple[int, int]
@@ -115,6 +145,7 @@ class Rig:
     focal_px: NDArray
     aim_error_mm: NDArray
     roll_error_deg: NDArray
+    k1: NDArray
 
     @classmethod
     def of(cls, scenario: Scenario) -> Rig:
@@ -128,10 +159,15 @@ class Rig:
             FOCAL_PER_WIDTH * width * (1 + rng.uniform(-0.035, 0.035, n)),
             rng.normal(0, 9.0, (n, 2)),
             rng.normal(0, 1.5, n),
+            scenario.traits.k1 * scenario.stream("lens").uniform(0.5, 1.0, n),
         )
 
+    def camera(self, camera: int, pose: LampPose) -> PinholeCamera:
+        """Position and optics of ``camera`` while the lamp is at ``pose``, its lens's distortion included."""
+        return self.pinhole(camera, pose).through_lens(float(self.k1[camera]))
+
     def pinhole(self, camera: int, pose: LampPose) -> PinholeCamera:
-        """Position and optics of ``camera`` while the lamp is at ``pose``."""
+        """The same without distortion, as everything is drawn before the lens distorts it."""
         azimuth = np.deg2rad(self.azimuth_deg[camera])
         radial = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
         at = CAMERA_CIRCLE_MM * radial

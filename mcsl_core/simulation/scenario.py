@@ -8,13 +8,16 @@ from __future__ import annotations
 
 import zlib
 from fractions import Fraction
+from typing import Any
 
 import attrs
 import numpy as np
 
-DRAPES = ("green", "blue", "white", "skin")
-SKINS = ("light", "medium", "dark")
-GLOVES = ("white", "blue", "skin", "green")
+from .families import Traits, check_families, settings_of, traits_of
+
+DRAPES = ("green", "blue", "white", "skin", "brown", "blown")
+SKINS = ("light", "medium", "dark", "near-black")
+GLOVES = ("white", "blue", "skin", "green", "tan", "bare")
 
 
 def _within(low: float, high: float):
@@ -31,6 +34,16 @@ def _one_of(choices: tuple[str, ...]):
             raise ValueError(f"{attribute.name} must be one of {', '.join(choices)}, got {value!r}")
 
     return check
+
+
+def _chosen(name: str, usual: object) -> Any:
+    """What the scenario's families choose for a value that is not given, or the usual one."""
+    return attrs.Factory(lambda self: settings_of(self.families).get(name, usual), takes_self=True)
+
+
+def _relief(self: Scenario) -> float:
+    """What its families choose, or 35 mm; a smaller field has less."""
+    return settings_of(self.families).get("relief_mm", 35.0) * self.traits.narrow
 
 
 def _even_size(_: object, attribute: attrs.Attribute, value: tuple[int, int]) -> None:
@@ -61,6 +74,9 @@ class Scenario:
 
     Parameters
     ----------
+    families
+        Names of `FAMILIES`: what is unlike the plain scene. They choose ``drape``, ``skin``, ``gloves``, ``heads``,
+        ``relief_mm`` and ``crf`` where these are not given.
     seed
         Of everything drawn from chance.
     duration_s
@@ -82,7 +98,7 @@ class Scenario:
     drape, skin, gloves
         Colours: one of `DRAPES`, `SKINS`, `GLOVES`.
     heads
-        People whose heads lean into the pictures, 0 to 4.
+        People whose heads lean into the pictures, 0 to 8.
     hands
         Gloved hands that work in the field, 0 to 4.
     noise
@@ -95,7 +111,8 @@ class Scenario:
     Raises
     ------
     ValueError
-        Where a value is out of range, or movements overlap or do not fit into the duration.
+        Where a value is out of range, movements overlap or do not fit into the duration, or families are unknown or
+        contradict each other.
 
     Examples
     --------
@@ -103,6 +120,7 @@ class Scenario:
     ('cam1', 'cam2', 'cam3', 'cam4', 'cam5')
     """
 
+    families: tuple[str, ...] = attrs.field(default=(), converter=check_families)  # first: others ask for it
     seed: int = attrs.field(default=0, validator=_within(0, 2**32 - 1))
     duration_s: float = attrs.field(default=60.0, converter=float, validator=_within(0.5, 24 * 3600))
     size: tuple[int, int] = attrs.field(default=(960, 540), converter=_size, validator=_even_size)
@@ -112,14 +130,16 @@ class Scenario:
     keyframe_s: float = attrs.field(default=1.0, converter=float, validator=_within(0.02, 60))
     clock_offset_s: float = attrs.field(default=0.3, converter=float, validator=_within(0, 30))
     drift_ppm: float = attrs.field(default=20.0, converter=float, validator=_within(0, 1000))
-    relief_mm: float = attrs.field(default=35.0, converter=float, validator=_within(0, 80))
-    drape: str = attrs.field(default="green", validator=_one_of(DRAPES))
-    skin: str = attrs.field(default="light", validator=_one_of(SKINS))
-    gloves: str = attrs.field(default="white", validator=_one_of(GLOVES))
-    heads: int = attrs.field(default=3, validator=_within(0, 4))
+    relief_mm: float = attrs.field(
+        default=attrs.Factory(_relief, takes_self=True), converter=float, validator=_within(0, 80)
+    )
+    drape: str = attrs.field(default=_chosen("drape", "green"), validator=_one_of(DRAPES))
+    skin: str = attrs.field(default=_chosen("skin", "light"), validator=_one_of(SKINS))
+    gloves: str = attrs.field(default=_chosen("gloves", "white"), validator=_one_of(GLOVES))
+    heads: int = attrs.field(default=_chosen("heads", 3), validator=_within(0, 8))
     hands: int = attrs.field(default=3, validator=_within(0, 4))
     noise: float = attrs.field(default=1.2, converter=float, validator=_within(0, 10))
-    crf: int = attrs.field(default=20, validator=_within(0, 51))
+    crf: int = attrs.field(default=_chosen("crf", 20), validator=_within(0, 51))
     audio: bool = True
 
     def __attrs_post_init__(self) -> None:
@@ -140,6 +160,11 @@ class Scenario:
                     f"recording's {self.duration_s:g} s and begin after the one before it has ended"
                 )
             last = start + length
+
+    @property
+    def traits(self) -> Traits:
+        """What its families add to the scene."""
+        return traits_of(self.families)
 
     @property
     def frames(self) -> int:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from mcsl_core.simulation import actors
 
+from .resting import THICK_MM, RestingHand, hand_with_retractor, lying_hand, resting_hands
 from .rig import LampPose, Rig, cross, unit
 from .scenario import Scenario
 from .schedule import LampPath, Person, Progression, Worker, ease, lamp_path, people, sway, workers
@@ -56,17 +57,21 @@ class Placement:
 
 @attrs.frozen(eq=False)
 class Cast:
-    """All sprites: of each worker a hand at every grip and a sleeve, of each person head and shoulders."""
+    """All sprites: of each worker a hand at every grip and a sleeve, of each person head and shoulders.
+
+    ``sleeves`` are the workers' and then the resting hands'.
+    """
 
     hands: tuple[tuple[Sprite, ...], ...]
     sleeves: tuple[Sprite, ...]
+    resting: tuple[Sprite, ...]
     heads: tuple[Sprite, ...]
     shoulders: tuple[Sprite, ...]
     fist: Sprite
     arm: Sprite
 
     @classmethod
-    def of(cls, scenario: Scenario, crew: tuple[Worker, ...]) -> Cast:
+    def of(cls, scenario: Scenario, crew: tuple[Worker, ...], resting: tuple[RestingHand, ...] = ()) -> Cast:
         """Models them, two at once."""
         # Half a millimetre where a picture is 960 wide; finer would not show on a moving hand and takes too long.
         fine = float(np.clip(480.0 / scenario.size[0], 0.36, 1.5))
@@ -77,7 +82,11 @@ class Cast:
                 [pool.submit(actors.hand, scenario, n, w.kind, float(g), w.left, fine) for g in grips]
                 for n, w in enumerate(crew)
             ]
-            sleeves = [pool.submit(actors.sleeve, scenario, n, 1.6 * fine) for n in range(len(crew))]
+            sleeves = [pool.submit(actors.sleeve, scenario, n, 1.6 * fine) for n in range(len(crew) + len(resting))]
+            rests = [
+                pool.submit(hand_with_retractor if hand.holds else lying_hand, scenario, n, fine)
+                for n, hand in enumerate(resting)
+            ]
             heads = [pool.submit(actors.head, scenario, n, 1.2 * fine) for n in people]
             shoulders = [pool.submit(actors.shoulders, scenario, n, 2.4 * fine) for n in people]
             fist = pool.submit(actors.holding_hand, scenario, 1.2 * fine)
@@ -85,6 +94,7 @@ class Cast:
         return cls(
             tuple(tuple(job.result() for job in jobs) for jobs in hands),
             tuple(job.result() for job in sleeves),
+            tuple(job.result() for job in rests),
             tuple(job.result() for job in heads),
             tuple(job.result() for job in shoulders),
             fist.result(),
@@ -102,6 +112,7 @@ class Scene:
     path: LampPath
     persons: tuple[Person, ...]
     crew: tuple[Worker, ...]
+    resting: tuple[RestingHand, ...]
     cast: Cast
     progression: Progression
 
@@ -113,10 +124,14 @@ class Scene:
         path = lamp_path(scenario)
         persons = people(scenario, rig, path)
         crew = workers(scenario, persons, surface.site.wound_mm, surface.site.axis_deg)
-        return cls(scenario, surface, rig, path, persons, crew, Cast.of(scenario, crew), Progression(path.movements))
+        resting = resting_hands(scenario, surface.site)
+        cast = Cast.of(scenario, crew, resting)
+        return cls(scenario, surface, rig, path, persons, crew, resting, cast, Progression(path.movements))
 
     def placements(self, t: float) -> Iterator[Placement]:
         """Every sprite at programme time ``t``, the lowest first."""
+        for n, hand in enumerate(self.resting):
+            yield from self._resting_hand(n, hand, t)
         for n, worker in enumerate(self.crew):
             yield from self._working_hand(n, worker, t)
         for n, person in enumerate(self.persons):
@@ -143,6 +158,21 @@ class Scene:
         forearm = unit(wrist - elbow)
         yield Placement(self.cast.sleeves[n], wrist, forearm, unit(cross(UP, forearm)), "sleeve", ground)
         yield Placement(grips[step], tip, sloping, cross(UP, ahead), "hand", ground)
+
+    def _resting_hand(self, n: int, hand: RestingHand, t: float) -> Iterator[Placement]:
+        x, y, lift = hand.tip_at(t)
+        ground = float(self.surface.height_at(np.array([x]), np.array([y]))[0])
+        tip = np.array([x, y, ground + lift + (0 if hand.holds else THICK_MM)])
+        azimuth = np.deg2rad(hand.azimuth_deg)
+        elbow = np.array([480 * np.cos(azimuth), 480 * np.sin(azimuth), 190.0])
+        ahead = unit(np.array([*(tip - elbow)[:2], 0.0]))
+        # A hand lies flat; a retractor's handle rises outwards, over the drapes.
+        along = unit(ahead - (0.22 if hand.holds else 0.06) * UP)
+        wrist = tip - (actors.REACH_MM + 12) * along
+        forearm = unit(wrist - elbow)
+        sleeve = self.cast.sleeves[len(self.crew) + n]
+        yield Placement(sleeve, wrist, forearm, unit(cross(UP, forearm)), "sleeve", ground)
+        yield Placement(self.cast.resting[n], tip, along, cross(UP, ahead), "hand", ground)
 
     def _reaching_arm(self, t: float) -> Iterator[Placement]:
         """Somebody takes the lamp's handle a little before a movement and lets go a little after it."""

@@ -151,9 +151,36 @@ class Person:
         return np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
 
 
+@attrs.frozen
+class Pace:
+    """How quickly a head comes and goes, each as the least and most seconds.
+
+    Attributes
+    ----------
+    glide_s
+        In and out.
+    stay_s
+        Over one place.
+    shift_s, again_s
+        From there to another place now and then, and over that.
+    away_s
+        Until it comes again.
+    """
+
+    glide_s: tuple[float, float] = (0.7, 1.6)
+    stay_s: tuple[float, float] = (2.5, 11)
+    shift_s: tuple[float, float] = (0.6, 1.2)
+    again_s: tuple[float, float] = (2.5, 8)
+    away_s: tuple[float, float] = (3, 12)
+
+
+QUICK = Pace(glide_s=(0.25, 0.5), stay_s=(0.3, 1.4), shift_s=(0.25, 0.5), again_s=(0.3, 1.2), away_s=(0.8, 4.5))
+
+
 def people(scenario: Scenario, rig: Rig, path: LampPath) -> tuple[Person, ...]:
     """Heads lean into the line of sight of a camera on their side of the table, stay a while and go back."""
     found = []
+    pace = QUICK if scenario.traits.quick else Pace()
     offset = scenario.stream("people").uniform(0, 360)
     for n in range(scenario.heads):
         rng = scenario.stream("person", n)
@@ -175,16 +202,16 @@ def people(scenario: Scenario, rig: Rig, path: LampPath) -> tuple[Person, ...]:
 
         keys, t = [], rng.uniform(-6, 4)
         while t < scenario.duration_s + 5:
-            glide = rng.uniform(0.7, 1.6)
+            glide = rng.uniform(*pace.glide_s)
             keys.append((t, t + glide, over(t)))
-            t += glide + rng.uniform(2.5, 11)
+            t += glide + rng.uniform(*pace.stay_s)
             if rng.random() < 0.3:
-                glide = rng.uniform(0.6, 1.2)
+                glide = rng.uniform(*pace.shift_s)
                 keys.append((t, t + glide, over(t)))
-                t += glide + rng.uniform(2.5, 8)
-            glide = rng.uniform(0.7, 1.6)
+                t += glide + rng.uniform(*pace.again_s)
+            glide = rng.uniform(*pace.glide_s)
             keys.append((t, t + glide, out()))
-            t += glide + rng.uniform(3, 12)
+            t += glide + rng.uniform(*pace.away_s)
         found.append(Person(azimuth, make_track(keys, out()), rng.uniform(0, 6.28, 3)))
     return tuple(found)
 

@@ -16,6 +16,8 @@ from .scenario import Scenario
 
 HALF_MM = 432.0
 PITCH_MM = 1.5
+SUTURED_MM = 5.0
+"""Half width of an incision that is closed."""
 
 
 @attrs.frozen(eq=False)
@@ -79,9 +81,13 @@ class Site:
         rng = scenario.stream("site")
         axis = rng.uniform(-25, 25)
         reach = (rng.uniform(86, 98), rng.uniform(56, 66), rng.uniform(86, 98), rng.uniform(56, 66))
+        narrow = scenario.traits.narrow
+        reach = tuple(narrow * d for d in reach)
         angles = np.deg2rad(axis + 90 * np.arange(4) + rng.uniform(-7, 7, 4))
         towels = np.stack([np.cos(angles), np.sin(angles), reach], 1)
-        wound = (rng.uniform(52, 62), rng.uniform(23, 29))
+        wound = (narrow * rng.uniform(52, 62), narrow * rng.uniform(23, 29))
+        if scenario.traits.limb:
+            wound = (wound[0], narrow * SUTURED_MM)
         return cls(axis, towels, rng.permutation(4), wound, rng.uniform(-0.0022, 0.0022), rng.normal(0, 1, 8))
 
     def along(self, x: NDArray, y: NDArray) -> tuple[NDArray, NDArray]:
@@ -137,7 +143,8 @@ class Surface:
         """The surface of a scenario."""
         site = Site.of(scenario)
         height = relief(scenario, site)
-        return cls(site, height, spread(site, height, 9.0), spread(site, height, 7.0))
+        narrow = scenario.traits.narrow
+        return cls(site, height, spread(site, height, 9.0 * narrow), spread(site, height, 7.0 * narrow))
 
     def height_at(self, x: NDArray, y: NDArray) -> NDArray:
         """Heights in mm at points in mm."""
@@ -180,11 +187,14 @@ def relief(scenario: Scenario, site: Site) -> NDArray:
     across = v * np.cos(turn) + u * np.sin(turn)
     along = u * np.cos(turn) - v * np.sin(turn)
     body = -45 * (1 - np.exp(-((across / 190) ** 2) - (along / 420) ** 2)) + 1.6 * clouds(rng, shape, 45, 2)
+    if scenario.traits.limb:
+        body = limb(scenario, u, v) + 0.4 * (body - body.mean())
     depth = site.wound(x, y)
     gap = smoothstep(-0.1, 1.0, cv2.GaussianBlur(depth.astype(np.float32), (0, 0), 2.2))
     lips = np.exp(-(((depth + 0.22) / 0.28) ** 2)) * np.clip(1.2 - np.abs(u) / site.wound_mm[0], 0, 1)
     bulge = np.exp(-(((u - rng.uniform(-16, 16)) / 26) ** 2) - (v / 11) ** 2)
-    flesh = body - rng.uniform(22, 28) * gap + 4.5 * lips + rng.uniform(7, 12) * bulge * gap
+    deep = min(1.0, site.wound_mm[1] / 23)  # a narrow wound gapes less
+    flesh = body - deep * rng.uniform(22, 28) * gap + deep * 4.5 * lips + deep * rng.uniform(7, 12) * bulge * gap
     flesh += 0.9 * gap * waves(rng, shape, 5)
     flesh = cv2.GaussianBlur(flesh.astype(np.float32), (0, 0), 2.4)
     opening = site.opening(x, y)
@@ -195,8 +205,19 @@ def relief(scenario: Scenario, site: Site) -> NDArray:
     ground = (flesh - inside.mean()) * (scale + (min(scale, 1.0) - scale) * smoothstep(0, 120, -opening))
     cloth = smoothstep(0, 14, -opening)
     folds = drape_folds(rng, shape, opening) * cloth * min(1.0, scenario.relief_mm / 20)
+    folds *= not scenario.traits.plain
     height = ground + 1.5 * cloth * min(1.0, scenario.relief_mm / 5) + folds
     return cv2.GaussianBlur(height.astype(np.float32), (0, 0), 1.1)
+
+
+def limb(scenario: Scenario, u: NDArray, v: NDArray) -> NDArray:
+    """A limb along the incision: round above, with sides of up to 60 degrees, which every camera still looks onto."""
+    rng = scenario.stream("limb")
+    narrow = scenario.traits.narrow
+    tall, half = narrow * rng.uniform(56, 64), narrow * rng.uniform(36, 42)
+    taper, bow = rng.uniform(-0.06, 0.06), rng.uniform(-0.0005, 0.0005)
+    width = half + np.clip(taper * u + 2.5 * np.sin(u / 37 + rng.uniform(0, 6.28)), -0.3 * half, 0.5 * half)
+    return tall / (1 + ((v - bow * u * u) / width) ** 4)
 
 
 def drape_folds(rng: np.random.Generator, shape: tuple[int, int], opening: NDArray) -> NDArray:

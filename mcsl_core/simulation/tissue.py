@@ -15,7 +15,12 @@ from .paint import bgr, cells, clouds, mix, polyline, smoothstep, warp_by, waves
 from .scenario import Scenario
 from .surface import Grid, Site
 
-SKINS = {"light": (0.52, 0.63, 0.84), "medium": (0.33, 0.45, 0.68), "dark": (0.15, 0.21, 0.36)}
+SKINS = {
+    "light": (0.52, 0.63, 0.84),
+    "medium": (0.33, 0.45, 0.68),
+    "dark": (0.15, 0.21, 0.36),
+    "near-black": (0.060, 0.075, 0.110),
+}
 BLOOD = (0.05, 0.04, 0.47)
 DEEP_BLOOD = (0.03, 0.02, 0.27)
 

@@ -44,6 +44,8 @@ class PoseTruth:
         (cameras, 3), mm.
     field_points_px
         (cameras, N, 2): the truth's ``field_points_mm`` in each camera.
+    k1
+        (cameras,), radial distortion; see `PinholeCamera`.
     """
 
     range: tuple[int, int]
@@ -51,10 +53,11 @@ class PoseTruth:
     R: NDArray
     t: NDArray
     field_points_px: NDArray
+    k1: NDArray
 
     def pinhole(self, camera: int) -> PinholeCamera:
         """The camera of that index."""
-        return PinholeCamera(self.K[camera], self.R[camera], self.t[camera])
+        return PinholeCamera(self.K[camera], self.R[camera], self.t[camera], float(self.k1[camera]))
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -197,6 +200,8 @@ def save_truth(truth: Truth, document_file: Path, arrays_file: Path) -> None:
     np.savez_compressed(arrays_file, **arrays)  # type: ignore[arg-type]
     scenario = attrs.asdict(truth.scenario, recurse=False)
     scenario["rate"] = str(truth.scenario.rate)
+    if not scenario["families"]:
+        del scenario["families"]  # a plain recording's truth reads as it did before there were any
     document = {
         "schema": SCHEMA,
         "scenario": scenario,
@@ -216,6 +221,7 @@ def save_truth(truth: Truth, document_file: Path, arrays_file: Path) -> None:
                 "range": pose.range,
                 "cameras": {
                     name: {"K": pose.K[c].tolist(), "R": pose.R[c].tolist(), "t": pose.t[c].tolist()}
+                    | ({"k1": float(pose.k1[c])} if pose.k1[c] else {})
                     for c, name in enumerate(truth.cameras)
                 },
                 "best_plane_error_px": truth.best_plane_error_px[n],
@@ -258,9 +264,9 @@ def _structure(document: dict, arrays: dict[str, NDArray]) -> Truth:
     poses = []
     for n, pose in enumerate(document["poses"]):
         K, R, t = (np.array([pose["cameras"][name][key] for name in names]) for key in "KRt")
-        poses.append(
-            PoseTruth(range=tuple(pose["range"]), K=K, R=R, t=t, field_points_px=arrays[f"pose{n}_field_points_px"])
-        )
+        k1 = np.array([pose["cameras"][name].get("k1", 0.0) for name in names])
+        px = arrays[f"pose{n}_field_points_px"]
+        poses.append(PoseTruth(range=tuple(pose["range"]), K=K, R=R, t=t, field_points_px=px, k1=k1))
     return Truth(
         scenario=scenario,
         rate=Fraction(document["rate"]),

@@ -7,11 +7,20 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click.core import ParameterSource
 
 from mcsl_core.cli.options import FORCE, PATH
 from mcsl_core.cli.output import Session
 from mcsl_core.errors import UsageError
+from mcsl_core.simulation.families import FAMILIES
 from mcsl_core.timing import parse_rate
+
+COLOURS = ("drape", "skin", "gloves")
+"""Options that a family chooses where they are not given."""
+
+
+def _is_given(option: str) -> bool:
+    return click.get_current_context().get_parameter_source(option) is not ParameterSource.DEFAULT
 
 
 @click.command()
@@ -25,6 +34,13 @@ from mcsl_core.timing import parse_rate
 @click.option("--drape", type=click.Choice(["green", "blue", "white", "skin"]), default="green", show_default=True)
 @click.option("--skin", type=click.Choice(["light", "medium", "dark"]), default="light", show_default=True)
 @click.option("--gloves", type=click.Choice(["white", "blue", "skin"]), default="white", show_default=True)
+@click.option(
+    "--family",
+    "families",
+    multiple=True,
+    metavar="NAME",
+    help="What is unlike the plain scene; may be given several times. Names: " + ", ".join(FAMILIES) + ".",
+)
 @click.option("--interlaced", is_flag=True, help="Two fields a frame, as theatre recorders write 1080i.")
 @click.option("--hdr", type=click.Choice(["hlg", "pq"]), help="Ten bits of HLG or PQ in BT.2020, as phones do.")
 @click.option("--vfr", is_flag=True, help="Variable frame rate: a quarter of the pictures is missing.")
@@ -50,6 +66,7 @@ def simulate(session: Session, out: Path, size: str, rate: str, force: bool, **c
     try:
         written = {name: chosen.pop(name) for name in ("interlaced", "vfr", "split_s", "continuing_clock")}
         recorder = Recorder(hdr=chosen.pop("hdr") or "", **written)
+        chosen = {name: value for name, value in chosen.items() if name not in COLOURS or _is_given(name)}
         scenario = Scenario(size=(int(numbers[1]), int(numbers[2])), rate=frames_per_second, **chosen)
     except ValueError as error:
         raise UsageError(str(error), remedy="See: mcsl simulate --help") from error
