@@ -13,6 +13,7 @@ FRAMES, GOP = 300, 30
 _OPTIONS = {
     "libx264": {"preset": "veryfast", "crf": "1", "bf": "2", "sc_threshold": "0"},
     "libx265": {"preset": "ultrafast", "crf": "1", "x265-params": "log-level=none:bframes=2"},
+    "mpeg4": {"b": "8M", "qmin": "1"},
     "mpeg2video": {"b": "20M", "maxrate": "40M", "bufsize": "8M"},
     "libsvtav1": {"preset": "10", "crf": "8", "svtav1-params": "keyint=30"},
     "libvpx-vp9": {"deadline": "realtime", "cpu-used": "8", "b": "6M", "minrate": "4M"},

@@ -14,6 +14,8 @@ from typing import Any
 
 from av.error import FFmpegError
 
+from .avi import AviPlaces
+
 _MOST_FAULTS = 100_000  # in a row without a packet between: FFmpeg reads on by 64 KiB each time, 6 GB together
 _STREAMED = {"mpegts", "mpeg", "mpegvideo", "h264", "hevc"}
 _MISSING = 2.5  # steps from one picture to the next from which on some are missing
@@ -40,20 +42,23 @@ def packets_of(container: Any, stream: Any, broken: Callable[[], None] | None = 
     container, stream
         As `open_file` and `main_video` give them.
     broken
-        Called at every place that could not be read. FFmpeg then finds its way again: half a megabyte of zeros in a
-        transport stream is seven such places, and the hours after it are whole.
+        Called at every place that could not be read, before the packet behind it. FFmpeg then finds its way again: half
+        a megabyte of zeros in a transport stream is seven such places, and the hours after it are whole.
     """
     faults = 0
+    broken = broken or (lambda: None)
+    avi = AviPlaces(stream) if container.format.name == "avi" else None
     while faults < _MOST_FAULTS:
         try:
             for packet in container.demux(stream):
                 faults = 0
+                if avi is not None and packet.size and avi.place(packet):
+                    broken()
                 yield packet
             return
         except FFmpegError:
             faults += 1
-            if broken is not None:
-                broken()
+            broken()
 
 
 def judged_packets(container: Any, stream: Any, rate: Fraction) -> Iterator[tuple[Any, bool]]:

@@ -31,6 +31,7 @@ _WHOLE_BYTES = 64 << 20  # a file without an index is scanned whole up to this s
 _HEAD_PACKETS = 600
 _BY_BYTES, _PLACES = ("mpegts", "mpeg"), 64  # formats that can be sought by bytes; where to look for a clock set back
 _LASTING = 10  # packets
+_MOST_LOST = 10  # times what is there; a count beyond that is none
 _REORDER_PACKETS = 64  # so many tell whether pictures are reordered: groups of B-frames are of 16 at most
 
 
@@ -218,7 +219,9 @@ def _from_packets(path: Path, header: _Header) -> _Packets:
     if not whole:
         end = _end(path, int(((promised or 0) + header.zero_s) / header.tick), any_frame=False) or end
     end_s = None if end is None else end - header.zero_s
-    cut_short = promised and end and end - header.zero_s < promised - 1
+    # An AVI's promise is a number of pictures, others' may be that of the sound.
+    slack = 2 / header.declared_rate if header.form == "avi" and header.declared_rate else 1
+    cut_short = promised and end and end - header.zero_s < promised - slack
     if cut_short and header.form == "mxf":
         _refuse_without_index(path)
     return _Packets(
@@ -270,6 +273,8 @@ def _sampled(path: Path) -> list[int]:
 
 def _promised_end(container: Any, stream: Any, zero: Fraction) -> Fraction | None:
     """The end of the picture in seconds as the headers have it; None where they do not say."""
+    if container.format.name == "avi" and stream.frames <= _MOST_LOST * (stream.duration or 0):
+        return max(stream.frames, stream.duration) * stream.time_base  # FFmpeg makes the duration fit what is there
     if stream.duration:
         return ((stream.start_time or 0) + stream.duration) * stream.time_base - zero
     tag = next((v for k, v in stream.metadata.items() if k.upper().startswith("DURATION")), "")

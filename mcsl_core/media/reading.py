@@ -138,7 +138,7 @@ class VideoReader:
             try:
                 if not lost:
                     frames = context.decode(packet)
-                elif not judge.broken:
+                elif not judge.broken and order is None:  # what is held back has a place among those that are missing
                     frames = context.decode(None)
             except FFmpegError as error:
                 log.info("%s: a damaged part is left out (%s)", self.facts.path.name, error.strerror)
