@@ -123,7 +123,7 @@ class Desk:
         assert {n: k for n, k in end.items() if not _private(n)} == {
             n: k for n, k in self.after.items() if not _private(n)
         }, "another end than undisturbed"
-        hidden = [name for name in end if Path(name).name.startswith(".") or name.startswith("tmp/")]
+        hidden = [name for name in end if Path(name).name.startswith(".")]
         assert not hidden, f"left: {hidden}"
 
 

@@ -96,15 +96,13 @@ def run_task(blender: Blender, request: Request[Answer], progress: Progress | No
             command = [*blender.command, "-b", "--factory-startup", "-P", str(script()), "--", str(order)]
         else:
             command = [*blender.command, str(script()), str(order)]
-        environment = {**os.environ, "BLENDER_USER_RESOURCES": str(folder / "user"), "PYTHONDONTWRITEBYTECODE": "1"}
-        environment.pop("PYTHONPATH", None)  # ours holds packages for another Python
         with open(log, "wb") as stream:
             child = subprocess.Popen(
                 command,
                 stdin=subprocess.DEVNULL,
                 stdout=stream,
                 stderr=subprocess.STDOUT,
-                env=environment,
+                env=_environment(folder),
                 start_new_session=True,
             )
         try:
@@ -115,6 +113,16 @@ def run_task(blender: Blender, request: Request[Answer], progress: Progress | No
         if isinstance(last, Result):
             return structure(last.result, request.answer, where=f"Blender's answer to the task {request.task}")
         _raise(blender, last and last.error, child.returncode, log.read_text("utf-8", "replace"))
+
+
+def _environment(folder: Path) -> dict[str, str]:
+    """The child's variables: settings and temporary files in ``folder``, since Blender leaves its own when ended."""
+    temporary = folder / "tmp"
+    temporary.mkdir()
+    ours = {name: str(temporary) for name in ("TMPDIR", "TEMP", "TMP")}
+    ours |= {"BLENDER_USER_RESOURCES": str(folder / "user"), "PYTHONDONTWRITEBYTECODE": "1"}
+    # PYTHONPATH: ours holds packages for another Python.
+    return {name: value for name, value in os.environ.items() if name != "PYTHONPATH"} | ours
 
 
 def _listen(child: subprocess.Popen[bytes], messages: MessageFile, progress: Progress) -> Result | Failed | None:

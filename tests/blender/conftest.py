@@ -25,6 +25,14 @@ def pytest_generate_tests(metafunc):
         metafunc.parametrize("blender", ["newer", "4.5"] if both else ["newer"], indirect=True, scope="session")
 
 
+@pytest.fixture(autouse=True, scope="session")
+def temporary_files(tmp_path_factory):
+    """Blenders that tests start by themselves leave a folder each in the temporary one: not in everybody's."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TMPDIR", str(tmp_path_factory.mktemp("tmp")))
+        yield
+
+
 @pytest.fixture(scope="session")
 def blender(request) -> Blender:
     """The Blender that `mcsl` finds, or the oldest one: MCSL_BLENDER_OLDEST, `mcsl blender install --version 4.5`."""

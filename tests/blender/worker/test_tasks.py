@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from pathlib import Path
@@ -81,6 +82,25 @@ def test_a_cancel_while_the_child_says_nothing(built, blender, tmp_path):
         run_task(blender, render_request(built, tmp_path / "out.mp4"), progress)
     assert time.monotonic() - begun < 5
     assert children() == []
+
+
+def test_a_child_leaves_no_temporary_files(built, blender, tmp_path, monkeypatch):
+    """Blender makes a folder of its own among them, and leaves it there when it is ended: after any task here."""
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(temporary))
+    for name in ("TMPDIR", "TEMP", "TMP"):
+        monkeypatch.setenv(name, str(temporary))
+
+    class Watching(Recorder):
+        def stage(self, name, total=None, unit=""):
+            assert [path.parent.name for path in temporary.rglob("blender_*")] == ["tmp"]
+            super().stage(name, total, unit)
+
+    run_task(blender, render_request(built, tmp_path / "out.mp4"), Watching())
+    with pytest.raises(Cancelled):
+        run_task(blender, render_request(built, tmp_path / "out.mp4"), Watching(stop_at=1))
+    assert list(temporary.iterdir()) == []
 
 
 def test_a_killed_child_is_told_as_such(built, blender, tmp_path):
