@@ -1,10 +1,11 @@
 """Kills analyse, conform, render and pull at random moments and looks at what is left. By hand, at length:
 
-    PYTHONPATH=. python tests/kill_runs.py [--times 20] [--seed 1] [analyse conform render pull blender]
+    PYTHONPATH=. python tests/kill_runs.py [--times 20] [--seed 1] [analyse conform render timeline pull blender]
 
 After every kill: no input changed, the EDL reads and holds every override, nothing half-written has a final name; the
 same command then ends well, its files have the bytes of an undisturbed run, and nothing of the killed run is left.
-`pull` and `blender` (a render by Blender) need one. tests/test_kill_runs.py runs a share of it.
+`timeline`, `pull` and `blender` (a render by Blender) need one. A timeline's bytes are another's with every run: it is
+read instead, and holds what was decided. tests/test_kill_runs.py runs a share of it.
 """
 
 from __future__ import annotations
@@ -33,11 +34,12 @@ from mcsl_core.timing import FrameRange
 SCENE = Scenario(seed=5, duration_s=24, size=(320, 180), rate=10, cameras=3, movements=0)
 DECIDED = Override(FrameRange(30, 60), fill=False, note="by hand")
 SHOWN = Override(FrameRange(100, 130), camera="cam2")
-KINDS = ("analyse", "conform", "render", "pull", "blender")
+KINDS = ("analyse", "conform", "render", "timeline", "pull", "blender")
 WORDS = {
     "analyse": ("analyse", "recording", "-o", "edl.json"),
     "conform": ("conform", "edl.json", "--jobs", "2"),
     "render": ("render", "edl.json", "--engine", "direct", "--preset", "review", "-o", "out.mp4"),
+    "timeline": ("timeline", "edl.json", "-o", "edit.blend"),
     "pull": ("pull", "edit.blend"),
     "blender": ("render", "edl.json", "--preset", "review", "-o", "out.mp4"),
 }
@@ -69,6 +71,13 @@ def contents(folder: Path) -> dict[str, str]:
     }
 
 
+def read_timeline(folder: Path) -> None:
+    """AssertionError where the timeline in ``folder`` cannot be read, or says anything else than the EDL there."""
+    run(("pull", "edit.blend", "-o", "read.json"), folder)
+    assert (folder / "read.json").read_bytes() == (folder / "edl.json").read_bytes(), "the timeline is another"
+    (folder / "read.json").unlink()
+
+
 @frozen
 class Desk:
     """A folder as it is before the command, and what an undisturbed run of it makes."""
@@ -86,9 +95,9 @@ class Desk:
         run(WORDS["analyse"], before)
         path = before / "edl.json"
         edl = attrs.evolve(edls.load(path), overrides=(DECIDED,))
-        if kind == "pull":  # a timeline that shows another camera than its EDL says
+        if kind in ("pull", "timeline"):  # a timeline that shows another camera than its EDL says
             edls.save(attrs.evolve(edl, overrides=(DECIDED, SHOWN)), path)
-            run(("timeline", "edl.json", "-o", "edit.blend"), before)
+            run(WORDS["timeline"], before)
         edls.save(edl, path)
         if kind == "analyse":
             shutil.rmtree(before / "edl.cache")
@@ -100,7 +109,7 @@ class Desk:
     def killed_once(self, folder: Path, at_s: float) -> bool:
         """Kills one run after ``at_s``; whether it was still at work. AssertionError where anything is lost."""
         shutil.copytree(self.before, folder)
-        inputs = {name: key for name, key in contents(folder).items() if name.startswith("recording")}
+        was = contents(folder)
         child = start(WORDS[self.kind], folder)
         time.sleep(at_s)
         alive = child.poll() is None
@@ -108,22 +117,30 @@ class Desk:
             os.killpg(child.pid, signal.SIGKILL)
         child.wait()
         left = contents(folder)
-        assert {name: left.get(name) for name in inputs} == inputs, "an input has changed"
+        for name in was:
+            assert not name.startswith("recording") or left.get(name) == was[name], "an input has changed"
         assert DECIDED in edls.load(folder / "edl.json").overrides, "an override is gone"
         for name, key in left.items():
             final = not Path(name).name.startswith(".") and name.endswith((".mp4", ".wav"))
             assert not final or key == self.after[name], f"{name} is not whole"
+        if self.kind == "timeline" and left["edit.blend"] != was["edit.blend"]:
+            read_timeline(folder)
         run(WORDS[self.kind], folder)
-        self.check_end(contents(folder))
+        self.check_end(folder)
         shutil.rmtree(folder)
         return alive
 
-    def check_end(self, end: dict[str, str]) -> None:
+    def check_end(self, folder: Path) -> None:
         """The bytes of an undisturbed run, and nothing else."""
+        end, after = contents(folder), dict(self.after)
+        if self.kind == "timeline":
+            read_timeline(folder)
+            end["edit.blend"] = after["edit.blend"]
         assert {n: k for n, k in end.items() if not _private(n)} == {
-            n: k for n, k in self.after.items() if not _private(n)
+            n: k for n, k in after.items() if not _private(n)
         }, "another end than undisturbed"
         hidden = [name for name in end if Path(name).name.startswith(".")]
+        hidden += [path.name for path in (folder / "tmp").iterdir()]
         assert not hidden, f"left: {hidden}"
 
 
