@@ -234,13 +234,13 @@ def camera_names(scene: Any) -> list[str]:
 
 
 @lru_cache(maxsize=4)
-def _loaded(path: Path, _changed_ns: int, _size: int) -> Edl:
+def _loaded(path: Path, _state: tuple[int, ...]) -> Edl:
     return edls.load(path)
 
 
 def _read(path: Path) -> Edl:
     state = path.stat()
-    return _loaded(path, state.st_mtime_ns, state.st_size)
+    return _loaded(path, (state.st_mtime_ns, state.st_size, state.st_ino))
 
 
 def edl_of(scene: Any) -> Edl:

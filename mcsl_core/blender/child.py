@@ -50,9 +50,9 @@ def script() -> Path:
 
 
 def search_paths() -> list[str]:
-    """Folders the child appends to its own: of the add-on, mcsl, attrs, cattrs and what they need, all pure Python."""
+    """Folders the child appends to its own: of the add-on, mcsl and the packages they need there, all pure Python."""
     folders = [addon_parent()]
-    for name in ("mcsl_core", "attr", "attrs", "cattrs", "typing_extensions"):
+    for name in ("mcsl_core", "attr", "attrs", "cattrs", "filelock", "typing_extensions"):
         spec = importlib.util.find_spec(name)
         if spec is not None and spec.origin is not None:
             folders.append(Path(spec.origin).parent if name == "typing_extensions" else Path(spec.origin).parents[1])

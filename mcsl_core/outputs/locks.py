@@ -34,7 +34,7 @@ def lock_file(path: Path, what: str = "") -> Path:
 
 
 @contextlib.contextmanager
-def changing(path: Path) -> Iterator[None]:
+def changing(path: Path, patience_s: float = PATIENCE_S) -> Iterator[None]:
     """Held while a document is read, changed and written, so that no change of another process is lost between.
 
     Raises
@@ -42,7 +42,7 @@ def changing(path: Path) -> Iterator[None]:
     McslError
         Where another process holds it for longer than any change takes.
     """
-    with _held(path, "", PATIENCE_S) as holder:
+    with _held(path, "", patience_s) as holder:
         if holder is not None:
             raise McslError(
                 f"another mcsl{holder} is writing it", where=str(path), remedy="Wait for it to end, then try again"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from blender_recording import FRAMES, an_edl, write_camera
 
 from mcsl_core import edl as edls
 from mcsl_core.blender.installation import Blender, find, private_python
+from mcsl_core.progress import Silent
 
 
 def pytest_collection_modifyitems(items):
@@ -76,3 +78,14 @@ def built(project, blender) -> Path:
 
     build_timeline(project / "edl.json", project / "edit.blend", blender=blender)
     return project / "edit.blend"
+
+
+@pytest.fixture(scope="session")
+def simulated(tmp_path_factory) -> Path:
+    """Three cameras of six seconds, as an editor has them before there is an EDL."""
+    from mcsl_core.simulation import Scenario, simulate
+
+    folder = tmp_path_factory.mktemp("simulated")
+    scenario = Scenario(size=(320, 180), rate=Fraction(25), duration_s=6.0, cameras=3, movements=0, seed=311)
+    simulate(scenario, folder, Silent())
+    return folder

@@ -78,7 +78,13 @@ def test_it_is_one_zip_of_pure_python(package):
         names = archive.namelist()
         wheels = sorted(Path(name).name for name in names if name.startswith("wheels/"))
         assert "blender_manifest.toml" in names
-        assert {name.split("-")[0] for name in wheels} == {"attrs", "cattrs", "mcsl_core", "typing_extensions"}
+        assert {name.split("-")[0] for name in wheels} == {
+            "attrs",
+            "cattrs",
+            "filelock",
+            "mcsl_core",
+            "typing_extensions",
+        }
         assert all(name.endswith("-py3-none-any.whl") for name in wheels)
         manifest = archive.read("blender_manifest.toml").decode()
         for name in wheels:
@@ -93,9 +99,9 @@ def test_the_same_tree_gives_the_same_bytes(package, tmp_path):
 
 def test_it_works_from_its_own_wheels_alone(built, blender, package, tmp_path):
     code = f"""
-    import attrs, cattrs, mcsl_core
+    import attrs, cattrs, filelock, mcsl_core
     used = [addon.module for addon in bpy.context.preferences.addons if "mcsl" in addon.module]
-    where = [module.__file__.startswith({str(tmp_path)!r}) for module in (attrs, cattrs, mcsl_core)]
+    where = [module.__file__.startswith({str(tmp_path)!r}) for module in (attrs, cattrs, filelock, mcsl_core)]
     bpy.ops.wm.open_mainfile(filepath={str(built)!r})
     state = bpy.context.window_manager.mcsl_state
     rows = [[i.start, i.camera, i.overridden] for i in state.shots]
@@ -109,7 +115,7 @@ def test_it_works_from_its_own_wheels_alone(built, blender, package, tmp_path):
     """
     (used, where, rows, presets, name), _ = installed(blender, package, tmp_path, code)
     assert used == ["bl_ext.user_default.mcsl"]
-    assert where == [True, True, True]
+    assert where == [True, True, True, True]
     assert rows == [
         [0, "cam1", False],
         [20, "cam2", False],

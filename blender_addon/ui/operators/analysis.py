@@ -9,11 +9,14 @@ from typing import ClassVar
 
 import bpy  # pyright: ignore[reportMissingImports]
 
+from mcsl_core.edl import Edl
 from mcsl_core.errors import InputError, McslError
 
 from ...core import camera_files
 from ...core.camera_files import STAGES
+from ...core.read_overrides import read_edl
 from ...sequencer.compat import sequencer_scene
+from ...sequencer.read import read_timeline
 from ...sequencer.scene_properties import EDL_PATH, edl_path, has_timeline
 from .. import job_runner, preferences
 from ..translations.lookup import told
@@ -41,8 +44,9 @@ class MCSL_OT_analyse(bpy.types.Operator):
         scene = sequencer_scene(context)
         try:
             command, edl = _command(scene)
+            began: Edl | None = None
             if has_timeline(scene):
-                pull(scene)  # what was decided by hand goes through the analysis with the EDL
+                began, _ = pull(scene)  # what was decided by hand goes through the analysis with the EDL
             elif scene.sequence_editor is not None and scene.sequence_editor.strips:
                 raise InputError(
                     told("this scene's sequencer is not empty"), remedy=told("Add a new scene and analyse there")
@@ -55,6 +59,8 @@ class MCSL_OT_analyse(bpy.types.Operator):
                         told("the scene {name} is gone").format(name=name),
                         remedy=told("Build the timeline of {edl} by hand").format(edl=edl),
                     )
+                if began is not None:
+                    _keep_decisions(target, began)
                 for note in build_into(target, edl):
                     job_runner.say(note, "WARNING", told("Analysis"))
 
@@ -63,6 +69,15 @@ class MCSL_OT_analyse(bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         return {"FINISHED"}
+
+
+def _keep_decisions(scene, began: Edl) -> None:
+    """What was decided in the timeline since an analysis of ``began`` goes into its EDL, before it is built anew.
+
+    McslError where that cannot be: the timeline then has to stay as it is.
+    """
+    if read_edl(began, read_timeline(scene)) != began:
+        pull(scene)
 
 
 def edl_of_work(work) -> Path:

@@ -13,6 +13,7 @@ import bpy  # pyright: ignore[reportMissingImports]
 from mcsl_core import edl as edls
 from mcsl_core.edl import Edl
 from mcsl_core.errors import InputError, McslError
+from mcsl_core.outputs.locks import changing
 
 from ...core.strip_plan import make_plan
 from ...sequencer import scene_properties
@@ -23,6 +24,8 @@ from ...sequencer.read import read_timeline
 from ...sequencer.renew import rebuild_timeline
 from .. import refresh
 from ..translations.lookup import told
+
+PATIENCE_S = 5.0  # the window stands still meanwhile
 
 
 def build_into(scene, path: Path) -> list[str]:
@@ -66,14 +69,17 @@ def _push_undo(message: str) -> None:
 def pull(scene) -> tuple[Edl, bool]:
     """Writes the timeline's decisions into the scene's EDL; the EDL as it is then, and whether it was changed.
 
-    McslError, for a folder that cannot be written to as well: then nothing has changed.
+    What other programs write into it meanwhile stays. McslError, for a folder that cannot be written to as well: then
+    nothing has changed.
     """
-    old = scene_properties.edl_of(scene)
-    new = refresh.decided(scene)
     blend = Path(bpy.data.filepath)
     path = scene_properties.edl_path(scene, blend)
+    old, new = scene_properties.edl_of(scene), refresh.decided(scene)
     if new != old:
-        edls.save(new, path)
+        with changing(path, PATIENCE_S):
+            old, new = scene_properties.edl_of(scene), refresh.decided(scene)  # on what is there now
+            if new != old:
+                edls.save(new, path)
     scene_properties.note_home(scene, path, blend.parent if bpy.data.filepath else None)
     clear_strip_decisions(scene)
     scene[scene_properties.OVERRIDE_COUNT] = len(new.overrides)

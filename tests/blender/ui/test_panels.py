@@ -2,38 +2,14 @@
 
 from __future__ import annotations
 
-import shutil
-from fractions import Fraction
 from pathlib import Path
 
 import pytest
 from blender_recording import R, in_blender
+from panel_scripts import MCSL, ON
 
 from mcsl_core import edl as edls
-from mcsl_core.blender.child import search_paths
 from mcsl_core.edl import Look
-from mcsl_core.progress import Silent
-
-HERE = str(Path(__file__).parents[2])  # of panel_recorder.py
-ON = f"""
-    import time, warnings
-    warnings.simplefilter("error")
-    sys.path.extend({[*search_paths(), HERE]!r})
-    import blender_addon, panel_recorder as recorder
-    from blender_addon.ui import job_runner, refresh
-    blender_addon.register()
-    state = bpy.context.window_manager.mcsl_state
-    def texts(*names):
-        return [text for _, text, _ in recorder.draw(names or None)]
-    def wait(seconds):
-        run, until = job_runner.desk.running, time.monotonic() + seconds
-        while job_runner.pump():
-            assert time.monotonic() < until
-            time.sleep(0.02)
-        return run.job.status
-    def go(frame):
-        scene.frame_set(frame + 1)
-"""
 
 
 @pytest.mark.both_blenders
@@ -68,11 +44,6 @@ def test_the_list_of_shots_says_what_the_viewer_gets(built, blender):
         [45, 50, "cam1", True, "0:00:01:15"],
         [50, 60, "cam3", False, "0:00:01:20"],
     ]
-
-
-MCSL = f"""
-    os.environ["MCSL"] = {shutil.which("mcsl")!r}
-"""
 
 
 @pytest.mark.both_blenders
@@ -260,16 +231,6 @@ def test_looks_and_centres_by_hand_come_into_the_edl(built, blender):
     assert made.offset == (59.5, 9.5), "the middle of 320x180 is (159.5, 89.5)"
     assert "Centre by hand: +60, +10 pixels" in shown or "Centre by hand: +60, +9 pixels" in shown
     assert kept == [], "what the EDL holds the strips need not say"
-
-
-@pytest.fixture(scope="session")
-def simulated(tmp_path_factory):
-    from mcsl_core.simulation import Scenario, simulate
-
-    folder = tmp_path_factory.mktemp("simulated")
-    scenario = Scenario(size=(320, 180), rate=Fraction(25), duration_s=6.0, cameras=3, movements=0, seed=311)
-    simulate(scenario, folder, Silent())
-    return folder
 
 
 @pytest.mark.slow
