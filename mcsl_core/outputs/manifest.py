@@ -64,6 +64,14 @@ class Manifest:
         """The files as they are listed: relative to its folder where they lie in it."""
         return set(self._read())
 
+    def sizes(self, name: str) -> set[int]:
+        """Of what was written under a listed name."""
+        return {
+            state[0]
+            for state in self._read().get(name, [])
+            if isinstance(state, list) and state and isinstance(state[0], int)
+        }
+
     def knows(self, path: Path, state: State | None = None) -> bool:
         """Whether the file is as it was when mcsl wrote it. state: how it was a while ago, in place of now."""
         state = state or state_of(path)

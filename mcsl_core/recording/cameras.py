@@ -13,11 +13,12 @@ from mcsl_core.edl.schema import LONGEST_S, MOST_FRAMES
 from mcsl_core.errors import Fault, InputError, UsageError
 from mcsl_core.media.facts import MediaFacts
 from mcsl_core.media.probing import probe
+from mcsl_core.outputs.deliveries import own_videos
 from mcsl_core.progress import Progress
 from mcsl_core.timing import format_time
 
 from .contents import read_contents
-from .discovery import discover, look_like_parts
+from .discovery import SUFFIXES, discover, look_like_parts
 from .footage import Footage
 from .joining import describe_joins, joined
 
@@ -41,7 +42,7 @@ def open_cameras(recording: Sequence[Path], base: Path, progress: Progress) -> t
     InputError
         With fewer than two cameras, or where a camera's files differ in size.
     """
-    found = discover(recording)
+    found = _without_own_work(recording, base, progress)
     if len(found) < 2:
         raise InputError(
             f"only one camera was found ({found[0][0]})",
@@ -77,6 +78,20 @@ def open_cameras(recording: Sequence[Path], base: Path, progress: Progress) -> t
             f"{name} and {other} are taken for two cameras; if they are parts of one, put both into a folder {name}"
         )
     return tuple(cameras)
+
+
+def _without_own_work(recording: Sequence[Path], base: Path, progress: Progress) -> list[tuple[str, tuple[Path, ...]]]:
+    """The cameras, without what mcsl made of them earlier and people keep beside them: that is told."""
+    folders = [path for path in recording if path.is_dir()]
+    own = {file for file in own_videos({*folders, base}) if file.suffix.lower() in SUFFIXES}
+    found = discover(recording, own)
+    real = {Path(os.path.realpath(folder)) for folder in folders}
+    left_out = [file.name for file in own if file.parent in real]
+    left_out += {f"{file.parent.name}/" for file in own if file.parent.parent in real}
+    if left_out:
+        names = ", ".join(sorted(left_out))
+        progress.note(f"left out, as mcsl made it: {names}. To take it for a camera, name the camera files singly")
+    return found
 
 
 def _describe_files(name: str, files: Sequence[MediaFacts]) -> list[str]:

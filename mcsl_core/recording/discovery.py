@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
 from mcsl_core.errors import InputError, MediaError
@@ -33,7 +34,9 @@ _GOPRO = re.compile(
 _NUMBERED = re.compile(r"(.+?)(?:[ _-]+\(?\d+\)?|\(\d+\))", re.DOTALL)  # cam1-2, cam1 (2), cam1(2); not cam12
 
 
-def discover(paths: Sequence[str | Path]) -> list[tuple[str, tuple[Path, ...]]]:
+def discover(
+    paths: Sequence[str | Path], leave_out: Collection[Path] = frozenset()
+) -> list[tuple[str, tuple[Path, ...]]]:
     """The cameras of a recording and their files.
 
     Parameters
@@ -43,6 +46,8 @@ def discover(paths: Sequence[str | Path]) -> list[tuple[str, tuple[Path, ...]]]:
         file's stem; files such as cam1_000.mp4, cam1_001.mp4 (one stem, then _ or - and three digits) are parts of one
         camera, and so are the chapters of one GoPro recording (GH010123.MP4, GH020123.MP4).
         A folder in it that holds video files is one camera. Files handed in singly are cameras in that order.
+    leave_out
+        Real paths of files in folders that are no cameras.
 
     Returns
     -------
@@ -62,7 +67,7 @@ def discover(paths: Sequence[str | Path]) -> list[tuple[str, tuple[Path, ...]]]:
         if path.is_dir():
             cameras += _grouped(loose)
             loose = []
-            cameras += _in_folder(path, alone=len(paths) == 1)
+            cameras += _in_folder(path, leave_out, alone=len(paths) == 1)
         elif path.exists():
             loose.append(path)
         else:
@@ -90,15 +95,16 @@ def _check(file: Path) -> None:
         raise InputError(error.what, where=error.where, remedy=error.remedy) from error
 
 
-def _in_folder(folder: Path, *, alone: bool) -> list[tuple[str, tuple[Path, ...]]]:
-    entries = sorted(folder.iterdir(), key=_in_order)
+def _in_folder(folder: Path, leave_out: Collection[Path], *, alone: bool) -> list[tuple[str, tuple[Path, ...]]]:
+    entries = sorted((p for p in folder.iterdir() if _real(p) not in leave_out), key=_in_order)
     files = [p for p in entries if _is_video(p)]
     if not alone and files:  # one of several folders on the command line is one camera, as a folder in a folder is
         return [(folder.name, tuple(files))]
     cameras = _grouped(files)
     for sub in entries:
         if sub.is_dir() and not sub.name.startswith("."):
-            inside = sorted((p for p in sub.iterdir() if _is_video(p)), key=_in_order)
+            inside = (p for p in sub.iterdir() if _is_video(p) and _real(p) not in leave_out)
+            inside = sorted(inside, key=_in_order)
             if inside:
                 cameras.append((sub.name, tuple(inside)))
     if not cameras:
@@ -154,6 +160,10 @@ def look_like_parts(names: Sequence[str]) -> list[tuple[str, str]]:
 def _natural(text: str) -> list[tuple[int, int, str]]:
     """A sort key that puts cam2 before cam10."""
     return [(0, int(t), "") if t.isdigit() else (1, 0, t.casefold()) for t in re.split(r"(\d+)", text) if t]
+
+
+def _real(path: Path) -> Path:
+    return Path(os.path.realpath(path))  # takes a link to itself, too
 
 
 def _is_video(path: Path) -> bool:
