@@ -8,6 +8,7 @@ from fractions import Fraction
 import numpy as np
 from attrs import frozen
 
+from .checksums import damaged_clusters
 from .facts import MediaFacts
 from .opening import main_video, open_file, timestamp_of
 from .packets import judged_packets
@@ -51,8 +52,8 @@ def find_damage(facts: MediaFacts, told: Callable[[int], None] | None = None) ->
 
     Notes
     -----
-    Nothing is decoded; `packets` says what that cannot see. A source that stands still is no damage: its pictures are
-    there.
+    Nothing is decoded; `packets` says what that cannot see, and a file with checksums (`checksums`) hides nothing. A
+    source that stands still is no damage: its pictures are there.
     """
     stamps, spans = _read(facts, told or (lambda _: None))
     found = [Damage(start, facts.usable_s if stop is None else stop, "damaged") for start, stop in spans]
@@ -68,13 +69,16 @@ def _read(facts: MediaFacts, told: Callable[[int], None]) -> tuple[list[int], li
     spans: list[tuple[Fraction, Fraction | None]] = []
     begun: int | None = None
     passed = 0
+    wrong, smears = damaged_clusters(facts.path, told), False
     with open_file(facts.path) as container:
         stream = main_video(container, facts.path)
         for packet, whole in judged_packets(container, stream, facts.rate):
             stamp = timestamp_of(packet)
             if stamp is None or not packet.size:
                 continue
-            if not whole:
+            hit = packet.pos is not None and any(packet.pos in place for place in wrong)
+            smears = hit or (smears and not packet.is_keyframe)
+            if not whole or smears:
                 begun = stamp if begun is None else min(begun, stamp)
             elif begun is not None:
                 spans.append((_own_time(begun, facts), _own_time(stamp, facts)))
