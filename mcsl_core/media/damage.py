@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from array import array
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 
 import numpy as np
 from attrs import frozen
+from numpy.typing import NDArray
 
 from .checksums import damaged_clusters
 from .facts import MediaFacts
@@ -64,32 +66,49 @@ def find_damage(facts: MediaFacts, told: Callable[[int], None] | None = None) ->
 
 
 def _read(facts: MediaFacts, told: Callable[[int], None]) -> tuple[list[int], list[tuple[Fraction, Fraction | None]]]:
-    """The timestamps of all whole pictures, and from where to where they are not; to the end without a stop."""
-    stamps: list[int] = []
+    """The timestamps of all pictures, and from where to where they are not whole; to the end without a stop."""
+    pictures = _pictures(facts, told)
+    hidden = _hidden(pictures, damaged_clusters(facts.path, told))
     spans: list[tuple[Fraction, Fraction | None]] = []
     begun: int | None = None
-    passed = 0
-    wrong, smears = damaged_clusters(facts.path, told), False
+    smears = False
+    for number, (stamp, _, is_keyframe, whole) in enumerate(pictures.tolist()):
+        smears = number in hidden or (smears and not is_keyframe)
+        if not whole or smears:
+            begun = stamp if begun is None else min(begun, stamp)
+        elif begun is not None:
+            spans.append((_own_time(begun, facts), _own_time(stamp, facts)))
+            begun = None
+    if begun is not None:
+        spans.append((_own_time(begun, facts), None))
+    return pictures[:, 0].tolist(), spans
+
+
+def _pictures(facts: MediaFacts, told: Callable[[int], None]) -> NDArray[np.int64]:
+    """(N, 4) of the file's pictures in its order: timestamp in ticks, byte, whether it is a keyframe, whether whole."""
+    rows, passed = array("q"), 0
     with open_file(facts.path) as container:
         stream = main_video(container, facts.path)
         for packet, whole in judged_packets(container, stream, facts.rate):
             stamp = timestamp_of(packet)
             if stamp is None or not packet.size:
                 continue
-            hit = packet.pos is not None and any(packet.pos in place for place in wrong)
-            smears = hit or (smears and not packet.is_keyframe)
-            if not whole or smears:
-                begun = stamp if begun is None else min(begun, stamp)
-            elif begun is not None:
-                spans.append((_own_time(begun, facts), _own_time(stamp, facts)))
-                begun = None
-            stamps.append(stamp)
-            if packet.pos is not None and packet.pos - passed > _TOLD_BYTES:
-                passed = packet.pos
+            byte = -1 if packet.pos is None else packet.pos
+            rows.extend((stamp, byte, packet.is_keyframe, whole))
+            if byte - passed > _TOLD_BYTES:
+                passed = byte
                 told(passed)
-        if begun is not None:
-            spans.append((_own_time(begun, facts), None))
-    return stamps, spans
+    return np.array(rows, np.int64).reshape(-1, 4)
+
+
+def _hidden(pictures: NDArray[np.int64], wrong: Sequence[range]) -> set[int]:
+    """The pictures of which checksums alone tell: of clusters that are ``wrong`` where no packet looks it."""
+    hidden: set[int] = set()
+    for place in wrong:
+        inside = np.flatnonzero((pictures[:, 1] >= place.start) & (pictures[:, 1] < place.stop))
+        if pictures[inside, 3].all():
+            hidden.update(inside.tolist())
+    return hidden
 
 
 def _own_time(ticks: int, facts: MediaFacts) -> Fraction:
