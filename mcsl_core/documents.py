@@ -30,7 +30,7 @@ from cattrs.errors import (
 )
 from cattrs.gen import make_dict_structure_fn, make_dict_unstructure_fn, override
 
-from mcsl_core.errors import DocumentError, Fault, InputError, writing
+from mcsl_core.errors import DocumentError, Fault, writing
 from mcsl_core.input_files import check_target, read_text
 from mcsl_core.json_text import parse_json, shallow
 from mcsl_core.temporary import open_private, temporary_beside
@@ -342,14 +342,10 @@ def write_atomic(path: Path, data: bytes, *, private: bool = False) -> None:
     target = Path(os.path.realpath(path))  # a link keeps pointing at what it names
     check_target(target, path)
     temporary = temporary_beside(target)
-    try:
+    with writing(path):
         target.parent.mkdir(parents=True, exist_ok=True)
         mode = stat.S_IMODE(target.stat().st_mode) if target.exists() and not private else None
         stream = open_private(temporary, "xb") if private else temporary.open("xb")
-    except OSError as error:
-        raise InputError(
-            f"cannot be written ({error.strerror})", where=str(path), remedy="Choose a folder you may write to"
-        ) from error
     try:
         with writing(path):
             with stream:

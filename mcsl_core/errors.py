@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+
+_NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 
 class Fault(ValueError):
@@ -100,8 +103,7 @@ def writing(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise McslError(
-            f"cannot be written ({error.strerror or error})",
-            where=str(path),
-            remedy="Make room, or choose another folder",
-        ) from error
+        what = f"cannot be written ({error.strerror or error})"
+        if error.errno in _NO_ROOM:
+            raise McslError(what, where=str(path), remedy="Make room, or choose another place") from error
+        raise InputError(what, where=str(path), remedy="Choose a place you may write to") from error

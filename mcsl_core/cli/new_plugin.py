@@ -13,7 +13,7 @@ import jinja2
 from attrs import frozen
 
 from mcsl_core import hooks
-from mcsl_core.errors import InputError, UsageError
+from mcsl_core.errors import InputError, UsageError, writing
 from mcsl_core.hooks.registry import discover
 from mcsl_core.hooks.stages import STAGES
 from mcsl_core.outputs.claim import check_place
@@ -76,14 +76,11 @@ def new_plugin(name: str, stage: str, folder: Path) -> list[Path]:
     texts = {file: _rendered(template, words) for file, template in files.items()}
     part = temporary_beside(folder)
     try:
-        for file, text in texts.items():
-            (part / file).parent.mkdir(parents=True, exist_ok=True)
-            (part / file).write_text(text, "utf-8")
-        part.rename(folder)
-    except OSError as error:
-        raise InputError(
-            f"cannot be written ({error.strerror})", where=str(folder), remedy="Choose another folder with -o"
-        ) from error
+        with writing(folder):
+            for file, text in texts.items():
+                (part / file).parent.mkdir(parents=True, exist_ok=True)
+                (part / file).write_text(text, "utf-8")
+            part.rename(folder)
     finally:
         shutil.rmtree(part, ignore_errors=True)
     return [folder / file for file in files]

@@ -16,7 +16,7 @@ from av.codec.context import Flags as CodecFlags
 from av.error import FFmpegError
 from numpy.typing import NDArray
 
-from mcsl_core.errors import InputError, MediaError, UsageError
+from mcsl_core.errors import MediaError, UsageError, writing
 from mcsl_core.imaging.planes import U8, Planes, bgr_to_planes
 from mcsl_core.temporary import temporary_beside
 
@@ -135,14 +135,10 @@ class VideoWriter:
             raise UsageError(f"sound has 1 or 2 channels, got {audio_channels}", where=str(self.path))
 
     def __enter__(self) -> VideoWriter:
-        try:
+        with writing(self.path):
             self.path.parent.mkdir(parents=True, exist_ok=True)
             self._part = temporary_beside(self.path)
             self._part.touch(exist_ok=False)  # obeys the umask
-        except OSError as error:
-            raise InputError(
-                f"cannot be written ({error.strerror})", where=str(self.path), remedy="Choose a folder you may write to"
-            ) from error
         try:
             self._open()
         except BaseException:

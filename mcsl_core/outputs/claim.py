@@ -13,7 +13,7 @@ from pathlib import Path
 from attrs import frozen
 
 from mcsl_core.documents import write_atomic
-from mcsl_core.errors import InputError, McslError
+from mcsl_core.errors import InputError, McslError, writing
 from mcsl_core.temporary import sweep, temporary_beside
 
 from .manifest import Manifest, State, state_of
@@ -36,14 +36,14 @@ class Output:
         """
         real = Path(os.path.realpath(self.path))  # a link keeps pointing at what it names
         part = temporary_beside(real, real.suffix if len(real.suffix) < 9 else "")
-        with self._told():
+        with writing(self.path):
             real.parent.mkdir(parents=True, exist_ok=True)
         try:
             with self._by_its_name(part):
                 yield part
             if self.before != state_of(real):
                 _check_ours(self.path, real, self.manifest, self.force)  # somebody wrote it meanwhile
-            with self._told():
+            with writing(self.path):
                 self._remember(Manifest.expect, real, part)
                 part.replace(real)
                 self._remember(Manifest.record, real)
@@ -66,7 +66,7 @@ class Output:
         real = Path(os.path.realpath(self.path))
         if real.is_file() and not (self.manifest is not None and self.manifest.knows(real)):
             names = (real.with_name(f"{real.name}{number}") for number in count(1))
-            with self._told():
+            with writing(self.path):
                 shutil.copy2(real, next(name for name in names if not os.path.lexists(name)))
 
     def _remember(self, how: Callable[..., None], *paths: Path) -> None:
@@ -74,15 +74,6 @@ class Output:
         if self.manifest is not None:
             with contextlib.suppress(McslError):
                 how(self.manifest, *paths)
-
-    @contextlib.contextmanager
-    def _told(self) -> Iterator[None]:
-        try:
-            yield
-        except OSError as error:
-            why = error.strerror or str(error)
-            remedy = "Make room, or choose another place"
-            raise InputError(f"cannot be written ({why})", where=str(self.path), remedy=remedy) from error
 
     def write(self, data: bytes) -> None:
         """The whole content at once."""
@@ -185,9 +176,7 @@ def _check_folder(path: Path, folder: Path) -> None:
         there = there.parent
     if not there.is_dir():
         raise InputError(f"cannot be written ({there} is not a folder)", where=str(path), remedy="Choose another place")
-    if not os.access(there, os.W_OK | os.X_OK):
-        raise InputError(
-            f"cannot be written (no permission to write into {there})",
-            where=str(path),
-            remedy="Choose a folder you may write to",
-        )
+    with writing(path):  # permissions do not tell it on network drives, on Windows and to root
+        trial = temporary_beside(there / "trial")
+        trial.touch(exist_ok=False)
+        trial.unlink()

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import filelock
 
-from mcsl_core.errors import InputError, McslError
+from mcsl_core.errors import InputError, McslError, writing
 
 PATIENCE_S = 30.0  # for a change to a document, which takes a moment
 _LONGEST = 200  # bytes of a name: with what stands round it, it stays below the 255 that file systems take
@@ -98,9 +98,8 @@ def _held(path: Path, what: str, patience_s: float) -> Iterator[str | None]:
             _log.warning("%s: files cannot be locked there; do not start a second mcsl on it", file.parent)
             yield None
             return
-        raise InputError(
-            f"cannot be written ({error.strerror or error})", where=str(path), remedy="Choose a folder you may write to"
-        ) from error
+        with writing(path):
+            raise
     try:
         if os.name != "nt":  # there nobody could read it while it is locked
             with contextlib.suppress(OSError):

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsl_core.errors import Cancelled, InputError
+from mcsl_core.errors import Cancelled, writing
 from mcsl_core.imaging.planes import Planes
 from mcsl_core.outputs.claim import Output, claim, claim_folder
 from mcsl_core.outputs.manifest import Manifest
@@ -71,13 +71,9 @@ def simulate(
     ground = Ground.of(scenario, scene.surface, scene.rig)
     room = Room(scenario) if scenario.audio else None
     counts, times = frame_counts(scenario), clocks(scenario)
-    try:
+    with writing(out):
         out.mkdir(parents=True, exist_ok=True)
         (out / "truth.json").unlink(missing_ok=True)
-    except OSError as error:
-        raise InputError(
-            f"cannot be written to ({error.strerror})", where=str(out), remedy="Choose another folder"
-        ) from error
     progress.stage("film", sum(counts), "frames")
     visible = Filming(scene, ground, room, recorder, out).run(progress)
     truth = _truth(scene, recorder, times, counts, visible)

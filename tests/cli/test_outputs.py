@@ -152,7 +152,7 @@ def test_what_mcsl_wrote_is_written_again_until_somebody_changes_it(
 
 
 @pytest.mark.parametrize("call", ["render", "report", "evaluate csv", "study", "timeline", "analyse"])
-@pytest.mark.parametrize("place", ["folder", "no folder", "fifo", "nul", "long", "protected"])
+@pytest.mark.parametrize("place", ["folder", "no folder", "fifo", "nul", "long", "protected", "locked"])
 def test_a_place_that_cannot_be_written_is_told_before_any_work(
     desk: Path, monkeypatch: pytest.MonkeyPatch, call: str, place: str
 ) -> None:
@@ -172,10 +172,15 @@ def test_a_place_that_cannot_be_written_is_told_before_any_work(
     elif place == "protected":
         Path(out).write_text("mine")
         Path(out).chmod(0o444)
+    elif place == "locked":
+        if not Path("/sys/kernel").is_dir():
+            pytest.skip("there is no folder here that root cannot write to either")
+        out = f"/sys/kernel/{out}"
     before = contents(desk) if place != "fifo" else None
     done = mcsl(*words, out)
     told = done.exit_code == 2 and "Error: " in done.output  # by click, a wrong call
     assert told or isinstance(done.exception, InputError | UsageError), done.exception
+    assert place != "locked" or "Choose a place you may write to" in str(done.exception)
     assert before is None or contents(desk) == before
     assert not [p for p in desk.iterdir() if p.name.startswith(".mcsl")]
 

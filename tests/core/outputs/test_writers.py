@@ -25,6 +25,9 @@ from mcsl_core.edl import Look, Override
 from mcsl_core.errors import DocumentError, InputError
 from mcsl_core.outputs import locks
 from mcsl_core.outputs.manifest import Manifest
+from mcsl_core.progress import Silent
+from mcsl_core.recording.footage import footage_of
+from mcsl_core.recording.sample_store import SampleStore
 from mcsl_core.temporary import sweep, temporary_beside
 from mcsl_core.timing import FrameRange
 
@@ -95,6 +98,19 @@ def test_sound_is_private_and_pictures_obey_the_umask(sources: Path, tmp_path: P
     assert done.audio is not None
     assert stat.S_IMODE(done.audio.stat().st_mode) == 0o600
     assert {stat.S_IMODE(done.path(chunk).stat().st_mode) for chunk in done.chunks} == {0o640}
+
+
+def test_samples_are_private(sources: Path, tmp_path: Path) -> None:
+    before = os.umask(0)
+    try:
+        SampleStore.record(footage_of(make(), sources), tmp_path / "cache" / "samples", Silent())
+    finally:
+        os.umask(before)
+    assert {p.name: stat.S_IMODE(p.stat().st_mode) for p in (tmp_path / "cache").iterdir()} == {
+        "samples": 0o600,
+        "samples.json": 0o600,
+    }
+    assert stat.S_IMODE((tmp_path / "cache").stat().st_mode) == 0o700
 
 
 def test_an_edl_keeps_its_permissions(path: Path) -> None:
