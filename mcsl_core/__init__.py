@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from mcsl_core.api.entry import analyse, evaluate, open
     from mcsl_core.api.programme import Programme
     from mcsl_core.api.stills import align
+    from mcsl_core.blender.render import RenderSettings
     from mcsl_core.cli.output import Session
     from mcsl_core.errors import McslError
     from mcsl_core.timing import FrameRange
@@ -35,6 +36,7 @@ __all__ = [
     "FrameRange",
     "McslError",
     "Programme",
+    "RenderSettings",
     "Session",
     "__version__",
     "align",
@@ -51,6 +53,7 @@ __getattr__, __dir__ = lazy_names(
         "mcsl_core.api.entry": ("analyse", "evaluate", "open"),
         "mcsl_core.api.programme": ("Programme",),
         "mcsl_core.api.stills": ("align",),
+        "mcsl_core.blender.render": ("RenderSettings",),
         "mcsl_core.cli.output": ("Session",),
         "mcsl_core.errors": ("McslError",),
         "mcsl_core.timing": ("FrameRange",),

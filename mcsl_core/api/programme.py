@@ -17,6 +17,7 @@ from mcsl_core.analysis.measurements import load_measurements
 from mcsl_core.blender import installation as blenders
 from mcsl_core.blender import render as rendering
 from mcsl_core.blender.messages import BuiltTimeline
+from mcsl_core.blender.render import RenderSettings
 from mcsl_core.blender.timeline import build_timeline
 from mcsl_core.delivery import conform as conforming
 from mcsl_core.delivery.conform import Conformed, default_folder
@@ -314,11 +315,9 @@ class Programme:
         self,
         out: str | Path,
         *,
-        preset: str | Path = "h264",
-        engine: str = "blender",
-        quality: str = "standard",
+        settings: RenderSettings | None = None,
         progress: Progress | None = None,
-        **more: Any,
+        **changes: Any,
     ) -> Path:
         """Renders the programme to a video and returns where it lies.
 
@@ -326,25 +325,24 @@ class Programme:
         ----------
         out : str or Path
             The video; its suffix is the preset's.
-        preset : str or Path
-            A name (review, h264, h265, prores, archive) or a preset file of your own.
-        engine : {"blender", "direct"}
-            "direct" writes the same programme without Blender.
-        quality : {"standard", "draft", "fine"}
-            Of the conformed pictures.
-        blender, audio : str, optional
-            The Blender to use, the first found without; whose sound is taken, or "none", the reference's without.
-        force : bool
-            Replace a file that mcsl did not write, or that was changed since; what the programme is made from never.
+        settings : RenderSettings, optional
+            Preset, engine, quality, sound and the like; the defaults without.
+        progress : Progress, optional
+            Where the work reports to.
+        **changes
+            Fields of `RenderSettings`, in place of those of ``settings``.
 
         Raises
         ------
         UsageError, InputError
             Also where changes are not saved (Blender reads the EDL's file), or ``out`` may not be written over.
+
+        Examples
+        --------
+        >>> p.render("programme.mp4", engine="direct", audio="none")
         """
         self._check_saved()
-        how: dict[str, Any] = {"preset": preset, "engine": engine, "quality": quality, **more}
-        return rendering.render(self.path, Path(out), **how, progress=progress)
+        return rendering.render(self.path, Path(out), settings=settings, progress=progress, **changes)
 
     def timeline(
         self,
@@ -363,12 +361,21 @@ class Programme:
         return build_timeline(self.path, Path(out), **how, progress=progress)
 
     def report(
-        self, out: str | Path, *, figures: str | Path | None = None, progress: Progress | None = None, **how: bool
+        self,
+        out: str | Path,
+        *,
+        figures: str | Path | None = None,
+        anonymous: bool = False,
+        with_pictures: bool = True,
+        force: bool = False,
+        progress: Progress | None = None,
     ) -> Path:
-        """Writes the page (.html) about the saved EDL. figures: from `mcsl evaluate --json`, else measured quickly.
+        """Writes the page (.html) about the saved EDL; see `report.page.write_report`.
 
-        how: ``anonymous``, without names, ``with_pictures`` and ``force``, as `report.page.write_report` takes them."""
+        figures: from `mcsl evaluate --json`, else measured quickly.
+        """
         self._check_saved()
+        how: dict[str, Any] = {"anonymous": anonymous, "with_pictures": with_pictures, "force": force}
         write_report(self.path, Path(out), figures_path=Path(figures) if figures else None, progress=progress, **how)
         return Path(out)
 

@@ -6,15 +6,17 @@ writes the programme without Blender and without what is above. tests/blender/wo
 
 from __future__ import annotations
 
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import attrs
 from attrs import field, frozen
 
 from mcsl_core import edl as edls
 from mcsl_core.delivery.conform import conform, default_folder
 from mcsl_core.delivery.direct import VideoFormat, write_direct
-from mcsl_core.delivery.presets import Preset, load_preset, preset_of
+from mcsl_core.delivery.presets import Preset, preset_of
 from mcsl_core.delivery.quality import Quality, quality_named
 from mcsl_core.delivery.source import NO_SOUND, ProgrammeSource
 from mcsl_core.edl import Edl
@@ -47,25 +49,26 @@ def _quality_of(given: str | Quality) -> Quality:
 class RenderSettings:
     """How a programme is rendered.
 
-    Parameters
+    Attributes
     ----------
-    preset
-        What is delivered: a preset's name, the path of a preset file, or a preset.
-    engine
+    preset : str, Path or Preset
+        What is delivered: a preset's name (review, h264, h265, prores, archive), the path of a preset file of your own,
+        or a preset; h264 without.
+    engine : {"blender", "direct"}
         ``blender`` renders the timeline with whatever the editor laid above the programme; ``direct`` writes the
         programme without Blender.
-    blender
-        The Blender to start, or its path; None for the first that is found.
-    quality
-        Of the conformed pictures, see `mcsl_core.delivery.quality`; with ``direct`` it chooses the resampling alone.
-    jobs
-        Chunks made at the same time; None for one a core.
-    show_origin
+    blender : str, Blender or None
+        The Blender to start, or its path; the first that is found without.
+    quality : {"standard", "draft", "fine"}
+        Of the conformed pictures; with ``direct`` it chooses the resampling alone.
+    jobs : int or None
+        Chunks made at the same time; one a core without.
+    show_origin : bool
         A review copy with each camera's pixels in a tint of their own; ``direct`` alone does that.
-    audio
-        The camera whose sound the video has, or "none"; None for the timeline's own, of an EDL the reference's.
-    force
-        Replace a file that mcsl did not write, or that was changed since.
+    audio : str or None
+        The camera whose sound the video has, or "none"; without, the timeline's own, of an EDL the reference's.
+    force : bool
+        Replace a file that mcsl did not write, or that was changed since; what the programme is made from never.
 
     Raises
     ------
@@ -73,7 +76,7 @@ class RenderSettings:
         There is no such engine, preset or quality, or two of the settings contradict each other.
     """
 
-    preset: Preset = field(factory=lambda: load_preset("h264"), converter=preset_of)
+    preset: str | Path | Preset = "h264"
     engine: str = "blender"
     blender: str | Blender | None = None
     quality: Quality = field(factory=lambda: quality_named("standard"), converter=_quality_of)
@@ -83,6 +86,7 @@ class RenderSettings:
     force: bool = False
 
     def __attrs_post_init__(self) -> None:
+        _ = self.delivery  # an unknown preset is told when it is named
         if self.engine not in ENGINES:
             raise UsageError(f"there is no engine {self.engine!r}", remedy=f"Take one of {', '.join(ENGINES)}")
         if self.jobs is not None and self.jobs < 1:
@@ -92,12 +96,24 @@ class RenderSettings:
                 "a review copy that shows where pixels come from is made directly", remedy="Add --engine direct"
             )
 
+    @cached_property
+    def delivery(self) -> Preset:
+        """The preset itself."""
+        return preset_of(self.preset)
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """What was read for them."""
+        return () if isinstance(self.preset, Preset) else (Path(self.preset),)
+
     def find_blender(self) -> Blender:
         """The Blender to start. BlenderError where there is none."""
         return self.blender if isinstance(self.blender, Blender) else installation.find(self.blender)
 
 
-def render(source: Path, out: Path, *, progress: Progress | None = None, **settings: Any) -> Path:
+def render(
+    source: Path, out: Path, *, settings: RenderSettings | None = None, progress: Progress | None = None, **changes: Any
+) -> Path:
     """Renders an EDL or a timeline to a video; one that mcsl wrote there is replaced whole or not at all.
 
     A timeline is pulled into the EDL it names, conformed, and saved with the exact pictures in place; its own output
@@ -109,10 +125,12 @@ def render(source: Path, out: Path, *, progress: Progress | None = None, **setti
         An EDL (.json) or a timeline (.blend).
     out
         The video; its name ends as the preset's container does.
+    settings
+        How; as `RenderSettings` has it without.
     progress
         Where the work reports to.
-    **settings
-        The fields of `RenderSettings`.
+    **changes
+        Fields of `RenderSettings`, in place of those of ``settings``.
 
     Returns
     -------
@@ -126,8 +144,8 @@ def render(source: Path, out: Path, *, progress: Progress | None = None, **setti
     McslError
         What pulling, conforming and Blender raise.
     """
-    progress, how = progress or Silent(), RenderSettings(**settings)
-    read = [source, *(Path(given) for given in (settings.get("preset"),) if isinstance(given, (str, Path)))]
+    progress, how = progress or Silent(), attrs.evolve(settings or RenderSettings(), **changes)
+    read = [source, *how.files]
     _check(source, out, how)
     claim(out, inputs=read, force=True)  # whose it is, is asked once the EDL is known
     edl_path, was = source, state_of(source)
@@ -151,18 +169,25 @@ def render(source: Path, out: Path, *, progress: Progress | None = None, **setti
                 manifest.record(source)
             _in_blender(source, part, how, blender, progress)
             return out
-        with temporary_folder("render") as temporary:
-            blend = temporary.resolve() / "programme.blend"
-            video = {"preset": how.preset, "output": f"{blend.stem}.{how.preset.container}"}
-            run_task(blender, TimelineRequest(blend=blend, **video, **media), progress)
-            _in_blender(blend, part, how, blender, progress)
+        _through_a_timeline(part, how, blender, media, progress)
     return out
+
+
+def _through_a_timeline(
+    out: Path, how: RenderSettings, blender: Blender, media: dict[str, Any], progress: Progress
+) -> None:
+    """Renders an EDL: its timeline is built for that alone."""
+    with temporary_folder("render") as temporary:
+        blend = temporary.resolve() / "programme.blend"
+        video = {"preset": how.delivery, "output": f"{blend.stem}.{how.delivery.container}"}
+        run_task(blender, TimelineRequest(blend=blend, **video, **media), progress)
+        _in_blender(blend, out, how, blender, progress)
 
 
 def _in_blender(blend: Path, out: Path, how: RenderSettings, blender: Blender, progress: Progress) -> None:
     raw = temporary_beside(out, out.suffix)
     try:
-        run_task(blender, RenderRequest(blend=blend.resolve(), preset=how.preset, output=raw), progress)
+        run_task(blender, RenderRequest(blend=blend.resolve(), preset=how.delivery, output=raw), progress)
         # Blender's FFmpeg writes down its version and all that its encoders were told.
         strip(raw, out, sound=how.audio != NO_SOUND)
     finally:
@@ -182,7 +207,7 @@ def _conformed(edl: Edl, edl_path: Path, how: RenderSettings, progress: Progress
 
 def _check(source: Path, out: Path, how: RenderSettings) -> None:
     """What can be wrong with the files, before any work."""
-    container = how.preset.container
+    container = how.delivery.container
     if source.suffix not in (".json", ".blend"):
         raise UsageError("is neither an EDL (.json) nor a timeline (.blend)", where=str(source))
     if not source.is_file():
@@ -218,9 +243,9 @@ def _direct(edl: Edl, edl_path: Path, out: Path, how: RenderSettings, progress: 
     filler = filler_of(edl, progress)
     filler = ShowProvenance(filler, [c.name for c in edl.cameras]) if how.show_origin else filler
     video = VideoFormat(
-        encoding=encoding_of(how.preset),
-        size=how.preset.scaled(edl.size),
-        keyframe_interval=how.preset.direct.gop,
+        encoding=encoding_of(how.delivery),
+        size=how.delivery.scaled(edl.size),
+        keyframe_interval=how.delivery.direct.gop,
         audio_channels=AUDIO_CHANNELS,
         resampling=how.quality.resampling,
     )

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from fresh_import import fresh_import
+from notes import Notes
 
 from mcsl_core import edl
 from mcsl_core.analysis import pipeline
@@ -21,20 +22,6 @@ from mcsl_core.simulation import Scenario, simulate
 SAMPLING = "Sampling the recording"
 
 
-class Stages(Silent):
-    """Remembers which stages and notes were reported."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.seen: list[str] = []
-
-    def stage(self, name: str, total: int | None = None, unit: str = "") -> None:
-        self.seen.append(name)
-
-    def note(self, text: str) -> None:
-        self.seen.append(text)
-
-
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("cached") / "recording"
@@ -43,11 +30,11 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def analyse(recording: Path, out: Path, *, cache: bool = True, offered=None, **stages: str) -> list[str]:
-    """Analyses and returns the stages that were reported."""
-    seen = Stages()
+    """Analyses and returns the stages and notes that were reported."""
+    seen = Notes()
     settings = AnalysisSettings(sync="none", stages=stages, cache=cache)
     pipeline.analyse([recording], out, settings=settings, plugins=offered or plugins.discover(), progress=seen)
-    return seen.seen
+    return seen.stages + seen.notes
 
 
 def test_a_changed_selector_looks_at_nothing_again(recording: Path, tmp_path: Path) -> None:

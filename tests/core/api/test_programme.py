@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from fractions import Fraction
 from pathlib import Path
 
@@ -10,16 +11,17 @@ import attrs
 import av
 import numpy as np
 import pytest
+from notes import Notes
 
 import mcsl_core as mcsl
 from mcsl_core.analysis.measurements import Measurements
+from mcsl_core.delivery.presets import presets_folder
 from mcsl_core.edl import Camera, Correction, Edl, Look, Media, Pose, Shot, save
 from mcsl_core.errors import DocumentError, InputError, MediaError, UsageError
 from mcsl_core.imaging.planes import bgr_to_planes
 from mcsl_core.media.writing import Encoding, VideoWriter
 from mcsl_core.movement.protocol import NO_CURVE
 from mcsl_core.occlusion.score_table import ScoreTable
-from mcsl_core.progress import Silent
 from mcsl_core.timing import FrameRange
 
 SIZE, RATE, FRAMES = (320, 180), 5, 20
@@ -182,27 +184,34 @@ def test_what_was_closed_is_opened_again(programme) -> None:
 # --------------------------------------------------------------------------------------------- render and measure
 
 
-class Stages(Silent):
-    """Keeps which stages were begun."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.stages: list[str] = []
-
-    def stage(self, name: str, total: int | None = None, unit: str = "") -> None:
-        self.stages.append(name)
-
-
 def test_what_is_rendered_is_saved_first(programme, tmp_path: Path) -> None:
     programme.override((0, 20), camera="cam2")
     with pytest.raises(UsageError, match=r"not saved.*save\(\)"):
         programme.render(tmp_path / "out.mp4", engine="direct")
     programme.save()
-    heard = Stages()
+    heard = Notes()
     out = programme.render(str(tmp_path / "out.mp4"), engine="direct", progress=heard)
     assert heard.stages == ["Writing the programme"]
     with av.open(str(out)) as container:
         assert sum(1 for _ in container.decode(video=0)) == FRAMES
+
+
+def test_settings_of_a_render_are_one_value_or_named_singly(programme, tmp_path: Path) -> None:
+    settings = mcsl.RenderSettings(engine="direct", preset="prores", audio="none")
+    with pytest.raises(UsageError, match=r"out\.mp4: the preset writes \.mov files"):
+        programme.render(tmp_path / "out.mp4", settings=settings)
+    with av.open(str(programme.render(tmp_path / "out.mp4", settings=settings, preset="review"))) as container:
+        assert sum(1 for _ in container.decode(video=0)) == FRAMES
+    with pytest.raises(UsageError, match="quick"):
+        mcsl.RenderSettings(preset="quick")
+
+
+def test_a_preset_of_ones_own_is_never_written_over(programme, tmp_path: Path) -> None:
+    shutil.copy2(presets_folder() / "review.json", tmp_path / "own.json")
+    (tmp_path / "own.mp4").symlink_to("own.json")
+    settings = mcsl.RenderSettings(engine="direct", preset=tmp_path / "own.json", force=True)
+    with pytest.raises(InputError, match="is what this run reads"):
+        programme.render(tmp_path / "own.mp4", settings=settings)
 
 
 def test_evaluate_measures_the_programme_as_it_is_now(programme) -> None:
