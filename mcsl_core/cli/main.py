@@ -37,7 +37,8 @@ def cli(ctx: click.Context, progress: str, debug: bool) -> None:
     """One steady, unoccluded video from the cameras of a surgical lamp.
 
     \b
-    recording --analyse--> EDL --timeline--> edit.blend --pull--> overrides --render--> video
+    recording --analyse--> EDL --timeline--> edit.blend
+              --pull--> overrides --render--> video
 
     Try it without a recording of your own: mcsl demo
     """

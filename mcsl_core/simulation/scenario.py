@@ -148,7 +148,7 @@ class Scenario:
                 raise ValueError(f"movements must not be negative, got {self.movements}")
             if self.movements * 8.0 > self.duration_s:
                 raise ValueError(
-                    f"{self.movements} movements need {self.movements * 8} s at least, "
+                    f"a movement needs 8 s, so {self.movements} need {self.movements * 8} s at least; "
                     f"the recording has {self.duration_s:g} s: make it longer or give their times yourself"
                 )
             return

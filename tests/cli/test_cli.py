@@ -9,10 +9,14 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
+import click
 import pytest
+from click.testing import CliRunner
 
+from mcsl_core.cli.main import cli
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import Scenario, simulate
 
@@ -29,15 +33,20 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize(
-    "command",
-    ["", "demo", "simulate", "analyse", "timeline", "pull", "conform", "render", "plugins", "blender"],
-)
-def test_help_is_there_and_fits_a_terminal(command: str) -> None:
-    done = mcsl(*command.split(), "--help")
-    assert done.returncode == 0
-    assert "Usage: mcsl" in done.stdout
-    assert max(map(len, done.stdout.splitlines())) <= 100
+def every_command(group: click.Group, *words: str) -> Iterator[tuple[str, ...]]:
+    yield words
+    for name, command in group.commands.items():
+        yield from every_command(command, *words, name) if isinstance(command, click.Group) else [(*words, name)]
+
+
+@pytest.mark.parametrize("words", [*every_command(cli)], ids=" ".join)
+def test_help_is_there_and_fits_a_terminal(words: tuple[str, ...]) -> None:
+    done = CliRunner().invoke(cli, [*words, "--help"], prog_name="mcsl", terminal_width=80)
+    assert done.exit_code == 0
+    usage, _, rest = done.output.partition("\n")
+    assert usage.startswith(" ".join(("Usage: mcsl", *words)))
+    assert max(map(len, done.output.splitlines())) <= 80
+    assert "..." not in rest, "a sentence in a list is cut short"
 
 
 def test_alone_it_shows_its_help() -> None:

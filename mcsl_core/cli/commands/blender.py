@@ -29,7 +29,10 @@ def blender_group(ctx: click.Context, blender: str | None) -> None:
 @click.option("--version", metavar="X.Y", help="Another than the usual one, beside it: 4.5, 5.0 or 5.2.")
 @click.pass_obj
 def install(session: Session, version: str | None) -> None:
-    """Make the private environment with Blender as a Python module (bpy)."""
+    """Install Blender for mcsl alone.
+
+    Into an environment of its own, as a Python module (bpy).
+    """
     from mcsl_core.blender import installation
 
     with session.progress() as progress:

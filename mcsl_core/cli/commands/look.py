@@ -121,9 +121,9 @@ def _word(on: bool) -> str:
 @allow_outside
 @click.pass_obj
 def look(session: Session, edl: Path, **how: Any) -> None:
-    """Switch the visual aids of EDL on or off, without analysing again.
+    """Switch the visual aids of EDL on or off.
 
-    For the whole programme, or with --from and --to for a stretch of it, as an override. Without options: say how
+    Nothing is analysed again. For the whole programme, or with --from and --to for a stretch of it, as an override. Without options: say how
     they stand.
     """
 

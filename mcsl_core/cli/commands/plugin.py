@@ -24,9 +24,9 @@ def plugin_group() -> None:
 @click.option("-o", "--out", type=PATH, help="The folder, which must not be there yet (default: ./NAME).")
 @click.pass_obj
 def new(session: Session, name: str, stage: str, out: Path | None) -> None:
-    """Write a plugin's folder: a small working one, to be changed into yours.
+    """Write a small working plugin.
 
-    NAME is what it is chosen by, in small letters with hyphens. The folder holds pyproject.toml, the module, a test and
+    It is there to be changed into yours. NAME is what it is chosen by, in small letters with hyphens. The folder holds pyproject.toml, the module, a test and
     a README; it can be installed and used as it is.
     """
     from mcsl_core.cli.new_plugin import new_plugin

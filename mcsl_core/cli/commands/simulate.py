@@ -25,11 +25,11 @@ def _is_given(option: str) -> bool:
 
 @click.command()
 @click.argument("out", type=PATH)
-@click.option("--seed", default=0, show_default=True)
-@click.option("--duration", "duration_s", default=60.0, show_default=True, metavar="S", help="Seconds.")
-@click.option("--size", default="960x540", show_default=True, metavar="WxH")
+@click.option("--seed", default=0, show_default=True, help="Another seed is another operation.")
+@click.option("--duration", "duration_s", default=60.0, show_default=True, metavar="S", help="How long, in seconds.")
+@click.option("--size", default="960x540", show_default=True, metavar="WxH", help="Of each camera, in pixels.")
 @click.option("--rate", default="30000/1001", show_default=True, help="Frames per second.")
-@click.option("--cameras", default=5, show_default=True)
+@click.option("--cameras", default=5, show_default=True, help="How many.")
 @click.option("--movements", default=1, show_default=True, help="How often the lamp is moved.")
 @click.option("--drape", type=click.Choice(["green", "blue", "white", "skin"]), default="green", show_default=True)
 @click.option("--skin", type=click.Choice(["light", "medium", "dark"]), default="light", show_default=True)
@@ -72,7 +72,8 @@ def simulate(session: Session, out: Path, size: str, rate: str, force: bool, **c
         raise UsageError(str(error), remedy="See: mcsl simulate --help") from error
     with session.progress() as progress:
         truth = run(scenario, out, progress, recorder, force=force)
+    moved = len(truth.movements)
     session.result(
-        {"folder": str(out), "frames": truth.frames, "movements": len(truth.movements)},
-        f"{out}: {len(truth.cameras)} cameras, {truth.frames} frames, {len(truth.movements)} lamp movements",
+        {"folder": str(out), "frames": truth.frames, "movements": moved},
+        f"{out}: {len(truth.cameras)} cameras, {truth.frames} frames, {moved} lamp movement{'s' * (moved != 1)}",
     )
