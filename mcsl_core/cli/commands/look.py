@@ -123,8 +123,8 @@ def _word(on: bool) -> str:
 def look(session: Session, edl: Path, **how: Any) -> None:
     """Switch the visual aids of EDL on or off.
 
-    Nothing is analysed again. For the whole programme, or with --from and --to for a stretch of it, as an override. Without options: say how
-    they stand.
+    Nothing is analysed again. For the whole programme, or with --from and --to for a stretch of it, as an override.
+    Without options: say how they stand.
     """
 
     made = change_file(edl, **how)

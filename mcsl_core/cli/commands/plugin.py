@@ -26,8 +26,8 @@ def plugin_group() -> None:
 def new(session: Session, name: str, stage: str, out: Path | None) -> None:
     """Write a small working plugin.
 
-    It is there to be changed into yours. NAME is what it is chosen by, in small letters with hyphens. The folder holds pyproject.toml, the module, a test and
-    a README; it can be installed and used as it is.
+    It is there to be changed into yours. NAME is what it is chosen by, in small letters with hyphens. The folder holds
+    pyproject.toml, the module, a test and a README; it can be installed and used as it is.
     """
     from mcsl_core.cli.new_plugin import new_plugin
 
