@@ -72,7 +72,7 @@ class SolvedPose:
     samples : tuple of int
         Positions of samples spread over the pose, which later poses are anchored by.
     observations : mapping of str to Observations
-        Camera -> its points, of some samples only, which later poses are anchored by.
+        Camera -> its points, of some samples only, which later poses are anchored by; none where no later one can be.
     """
 
     pose: Pose

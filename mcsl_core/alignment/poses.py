@@ -42,8 +42,17 @@ def solve_poses(
         solved.append(
             anchor(pose, solved, samples, matcher=solver.matcher, settings=solver.settings, progress=progress)
         )
+        solved = with_needed_points(solved)
         progress.advance(len(solved))
     return solved
+
+
+def with_needed_points(solved: Sequence[SolvedPose]) -> list[SolvedPose]:
+    """``solved`` whose poses keep their points where a later one may be anchored by them: in three hours of small
+    pictures with a movement every ten minutes the points of all poses took 110 MB."""
+    last = solved[-1]
+    began = next(pose for pose in solved if pose.pose.perspective == last.pose.perspective)
+    return [pose if pose is last or pose is began else attrs.evolve(pose, observations={}) for pose in solved]
 
 
 def _solved(

@@ -8,10 +8,14 @@ import pytest
 from notes import Notes
 from remuxed import remux
 
+from mcsl_core.alignment.aligned_views import AlignedPose
+from mcsl_core.alignment.observations import NOTHING, Observations, SolvedPose
+from mcsl_core.alignment.poses import with_needed_points
 from mcsl_core.analysis.pipeline import analyse
 from mcsl_core.analysis.settings import AnalysisSettings
 from mcsl_core.delivery.direct import write_direct
 from mcsl_core.delivery.source import ProgrammeSource
+from mcsl_core.edl import Pose
 from mcsl_core.hooks.registry import discover
 from mcsl_core.progress import Silent
 from mcsl_core.recording.footage import footage_of
@@ -19,6 +23,22 @@ from mcsl_core.simulation import Scenario, alignment_error, best_plane, best_pla
 from mcsl_core.timing import FrameRange
 
 SCENARIO = Scenario(seed=3, duration_s=36, size=(480, 270), rate=Fraction(10), cameras=4, movements=((26.5, 2.0),))
+
+
+def _pose(number: int, perspective: int) -> SolvedPose:
+    size, field = (16, 9), np.zeros((9, 16), bool)
+    pose = Pose(range=FrameRange(10 * number, 10 * number + 10), homographies={}, perspective=perspective)
+    aligned = AlignedPose(size, "cam1", {"cam1": np.eye(3)}, {"cam1": size}, field)
+    return SolvedPose(pose, aligned, (number,), {"cam1": Observations((NOTHING,), field)})
+
+
+def test_points_are_kept_of_the_last_pose_and_of_the_one_that_began_its_perspective_alone() -> None:
+    solved: list[SolvedPose] = []
+    kept = []
+    for number, perspective in enumerate((0, 0, 0, 1, 1, 1, 2)):
+        solved = with_needed_points([*solved, _pose(number, perspective)])
+        kept.append([n for n, pose in enumerate(solved) if pose.observations])
+    assert kept == [[0], [0, 1], [0, 2], [3], [3, 4], [3, 5], [6]]
 
 
 @pytest.mark.slow
