@@ -20,6 +20,7 @@ from mcsl_core.input_files import read_text
 
 MOST_BYTES = 1 << 30  # eye trackers write some 600 bytes a sample, a million samples in two hours
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d{1,4})?", re.ASCII)
+_GROUPED = re.compile(r"[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
 
 
 @frozen
@@ -103,6 +104,39 @@ def number(text: str, *, comma: bool = True) -> float:
     if math.isinf(value := float(text.replace(",", "."))):
         raise ValueError(f"{text[:40]!r} is too large a number")
     return value
+
+
+class Grouping:
+    """Watches numbers that were written alike: whether commas or points in them stand for thousands.
+
+    "1,100" beside "980" is eleven hundred from a spreadsheet; beside "980.5" it could be 1.1.
+    """
+
+    def __init__(self, most: float = math.inf) -> None:
+        self._most = most  # what is larger as a whole number is none
+        self._decimals = self._whole = False
+        self._first: tuple[int, str] | None = None
+
+    def see(self, text: str, line: int) -> None:
+        """A number that `number` takes, and the line it stands in."""
+        digits = re.sub("[,.]", "", text)
+        if digits == text:
+            self._whole = True
+        elif not _GROUPED.fullmatch(text) or int(digits) > self._most:
+            self._decimals = True
+        elif self._first is None:
+            self._first = line, text
+
+    def check(self, path: Path) -> None:
+        """DocumentError where the numbers can be read in two ways."""
+        if self._first is not None and self._whole and not self._decimals:
+            line, text = self._first
+            whole = re.sub("[,.]", "", text)
+            raise DocumentError(
+                f"{text!r} may be {whole} or {number(text):g}",
+                where=f"{path}, line {line}",
+                remedy=f"Write {whole} for thousands, {text.replace(',', '.')}0 for a fraction",
+            )
 
 
 def _separator(text: str) -> tuple[int, str]:

@@ -17,6 +17,8 @@ T = TypeVar("T")
 LEAST_RATE, MOST_RATE = Fraction(1, 100), 1000  # frames per second: a picture each 100 s, a high-speed camera
 RATE_PATTERN = r"[0-9]{1,9}(/[0-9]{1,9}|\.[0-9]{1,9})?"
 
+TIME_PATTERN = r"([0-9]{1,9}:){0,2}([0-9]{1,15}([.,][0-9]{0,15})?|[.,][0-9]{1,15})"
+
 
 def parse_rate(text: str) -> Fraction:
     """Frames per second from ``"30000/1001"``, ``"25"`` or ``"29.97"``; ValueError when not a positive rate.
@@ -46,6 +48,16 @@ def check_rate(rate: Fraction) -> None:
 def format_rate(rate: Fraction) -> str:
     """The canonical spelling: lowest terms, ``"25"`` rather than ``"25/1"``."""
     return str(rate)
+
+
+def parse_time(text: str) -> Fraction:
+    """Seconds of ``"1:02:03.5"``, ``"2:30"`` or ``"150"``, also with a decimal comma; ValueError of anything else."""
+    if not re.fullmatch(TIME_PATTERN, text.strip()):  # Fraction itself also takes "1e999999999" and never comes back
+        raise ValueError(f"{text[:40]!r} is no time")
+    seconds = Fraction(0)
+    for part in text.replace(",", ".").split(":"):
+        seconds = seconds * 60 + Fraction(part.strip())
+    return seconds
 
 
 def format_time(time_s: float | Fraction) -> str:

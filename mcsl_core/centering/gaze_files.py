@@ -17,7 +17,8 @@ import numpy as np
 from attrs import evolve, frozen
 
 from mcsl_core.errors import DocumentError
-from mcsl_core.tables import Row, Table, number, read_table
+from mcsl_core.tables import Grouping, Row, Table, number, read_table
+from mcsl_core.timing import parse_time
 
 from .gaze import WINDOW_S, Gaze
 
@@ -153,13 +154,7 @@ def read_gaze(path: Path, shown: Shown) -> GazeFile:
     """
     table = read_table(path, wanted="a file of gaze", remedy=f"Its first line names time, x and y. {_REMEDY}")
     columns = _columns(table)
-    looks, blind = [], 0
-    for row in table:
-        look = _look(row, columns, shown, path)
-        looks += [] if look is None else [look]
-        blind += look is None
-    if not looks:
-        raise DocumentError(f"none of its {blind} lines has eyes", where=str(path), remedy=_REMEDY)
+    looks, blind = _looks(table, columns, shown, path)
     looks, as_time = _in_frames(looks, columns, shown, path)
     during = [look for look in looks if 0 <= look.time < shown.frames]
     _check_time(looks, during, shown, path)
@@ -211,6 +206,29 @@ def _columns(table: Table) -> _Columns:
 # ------------------------------------------------------------------------------------------------------------ lines
 
 
+def _looks(table: Table, columns: _Columns, shown: Shown, path: Path) -> tuple[list[_Look], int]:
+    """The lines with eyes, and how many have none."""
+    looks, blind = [], 0
+    sides = [side for size in (shown.size, *shown.cameras.values()) for side in size]
+    places, times = Grouping(most=max(sides)), Grouping()
+    for row in table:
+        look = _look(row, columns, shown, path)
+        if look is None:
+            blind += 1
+            continue
+        looks.append(look)
+        for column in (columns.x, columns.y):
+            places.see(row.cells[column], row.line)
+        if columns.unit != "s":
+            times.see(row.cells[columns.time], row.line)
+    if not looks:
+        what = f"none of its {blind} lines has eyes" if blind else "holds no looks, its first line alone"
+        raise DocumentError(what, where=str(path), remedy=_REMEDY)
+    places.check(path)
+    times.check(path)
+    return looks, blind
+
+
 def _look(row: Row, columns: _Columns, shown: Shown, path: Path) -> _Look | None:
     """What a line says; None where there were no eyes."""
     cells = row.cells
@@ -222,7 +240,7 @@ def _look(row: Row, columns: _Columns, shown: Shown, path: Path) -> _Look | None
             return None
         if columns.confidence is not None and number(cells[columns.confidence]) < _SURE:
             return None
-        time = number(cells[columns.time])
+        time = _time(cells[columns.time], columns.unit)
         camera = (cells[columns.camera] if columns.camera else "") or None
         if camera is not None and camera not in shown.cameras:
             raise ValueError(f"{camera!r} is not a camera, expected one of {', '.join(sorted(shown.cameras))}")
@@ -230,6 +248,19 @@ def _look(row: Row, columns: _Columns, shown: Shown, path: Path) -> _Look | None
         raise DocumentError(str(error), where=f"{path}, line {row.line}", remedy="Correct or delete the line") from None
     observer = (cells[columns.observer] if columns.observer else "") or path.name
     return _Look(row.line, time, x, y, observer, camera)
+
+
+def _time(text: str, unit: str) -> float:
+    """The time in a cell, in the column's unit; seconds also as 0:01:02.5."""
+    if ":" not in text:
+        return number(text)
+    try:
+        if unit == "s":
+            return float(parse_time(text))
+    except ValueError:
+        pass
+    what = "is no number, and no time of hours, minutes and seconds such as 0:01:02.5"
+    raise ValueError(f"{text[:40]!r} {what}" if unit == "s" else f"{text[:40]!r} is no number")
 
 
 def _in_frames(looks: Sequence[_Look], columns: _Columns, shown: Shown, path: Path) -> tuple[list[_Look], str]:

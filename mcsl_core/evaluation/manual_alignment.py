@@ -21,9 +21,10 @@ from numpy.typing import ArrayLike, NDArray
 from mcsl_core.documents import make_converter, read_json, structure_document
 from mcsl_core.edl import IDENTITY, Edl, Matrix, Pose, Weak
 from mcsl_core.edl.resolve import resolve
+from mcsl_core.edl.schema import LARGEST_SIDE
 from mcsl_core.errors import DocumentError, Fault, InputError, UsageError
 from mcsl_core.imaging.geometry import to_edl_matrix
-from mcsl_core.tables import number, read_table
+from mcsl_core.tables import Grouping, number, read_table
 
 FITS = ("similarity", "homography")
 COLUMNS = ("pose", "camera", "x", "y", "programme_x", "programme_y")
@@ -298,13 +299,17 @@ def _read_csv(path: Path) -> Sequence[_Entry]:
     if lacking := [name for name in COLUMNS if name not in (*rows.columns, "pose")]:
         raise DocumentError(f"lacks columns: {', '.join(lacking)}", where=str(path), remedy=remedy)
     found: dict[tuple[str, int | None], list[tuple[float, float, float, float]]] = {}
+    grouping = Grouping(most=LARGEST_SIDE)
     for row in rows:
         try:
             pose = _whole(row.cells.get("pose", ""))
             x, y, u, v = (number(row.cells[name]) for name in COLUMNS[2:])
         except ValueError as error:
             raise DocumentError(str(error), where=f"{path}, line {row.line}", remedy=remedy) from error
+        for name in COLUMNS[2:]:
+            grouping.see(row.cells[name], row.line)
         found.setdefault((row.cells["camera"], pose), []).append((x, y, u, v))
+    grouping.check(path)
     if not found:
         raise DocumentError("holds no point pairs", where=str(path), remedy=remedy)
     entries = []

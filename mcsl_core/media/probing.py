@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 from collections.abc import Sequence
 from fractions import Fraction
@@ -15,6 +16,7 @@ from attrs import frozen
 from av.error import FFmpegError
 
 from mcsl_core.errors import MediaError
+from mcsl_core.timing import parse_time
 
 from .boxes import refuse_second_film
 from .colours import colour_note, refuse_colours
@@ -277,10 +279,10 @@ def _promised_end(container: Any, stream: Any, zero: Fraction) -> Fraction | Non
         return max(stream.frames, stream.duration) * stream.time_base  # FFmpeg makes the duration fit what is there
     if stream.duration:
         return ((stream.start_time or 0) + stream.duration) * stream.time_base - zero
-    tag = next((v for k, v in stream.metadata.items() if k.upper().startswith("DURATION")), "")
-    parts = tag.split(":")
-    if len(parts) == 3:  # Matroska's durations are ends, whenever the file begins
-        return int(parts[0]) * 3600 + int(parts[1]) * 60 + Fraction(parts[2]) - zero
+    for name, text in stream.metadata.items():
+        if name.upper().startswith("DURATION"):  # Matroska's durations are ends, whenever the file begins
+            with contextlib.suppress(ValueError):
+                return parse_time(text) - zero
     if container.duration and not container.streams.audio:  # with sound, it may be the sound's
         begin = 0 if "matroska" in container.format.name else container.start_time or 0
         return Fraction(begin + container.duration, av.time_base) - zero

@@ -13,6 +13,8 @@ from typing import Any
 import attrs
 import numpy as np
 
+from mcsl_core.timing import parse_rate
+
 from .families import Traits, check_families, settings_of, traits_of
 
 DRAPES = ("green", "blue", "white", "skin", "brown", "blown")
@@ -62,7 +64,7 @@ def _size(value: tuple[int, int]) -> tuple[int, int]:
 
 
 def _rate(value: Fraction | int | str) -> Fraction:
-    rate = Fraction(value)
+    rate = parse_rate(value) if isinstance(value, str) else Fraction(value)
     if not 1 <= rate <= 240:
         raise ValueError(f"rate must lie between 1 and 240 frames a second, got {value}")
     return rate

@@ -19,6 +19,7 @@ from scipy.optimize import least_squares
 from mcsl_core.arrays import read_arrays
 from mcsl_core.documents import read_json
 from mcsl_core.errors import DocumentError
+from mcsl_core.timing import parse_rate
 
 from .clocks import Clock
 from .rig import PinholeCamera
@@ -269,7 +270,7 @@ def _structure(document: dict, arrays: dict[str, NDArray]) -> Truth:
         poses.append(PoseTruth(range=tuple(pose["range"]), K=K, R=R, t=t, field_points_px=px, k1=k1))
     return Truth(
         scenario=scenario,
-        rate=Fraction(document["rate"]),
+        rate=parse_rate(document["rate"]),
         frames=document["frames"],
         size=tuple(document["size"]),
         cameras=names,

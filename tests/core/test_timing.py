@@ -18,6 +18,7 @@ from mcsl_core.timing import (
     format_time,
     merge_equal,
     parse_rate,
+    parse_time,
 )
 
 R = FrameRange
@@ -65,6 +66,34 @@ def test_what_is_no_rate_is_refused(text):
 )
 def test_time_for_people(seconds, text):
     assert format_time(seconds) == text
+
+
+@pytest.mark.parametrize(
+    ("text", "seconds"),
+    [
+        ("1:02:03.5", Fraction(7447, 2)),
+        ("00:00:01,5", Fraction(3, 2)),
+        (" 2:30 ", 150),
+        ("150", 150),
+        ("0:90", 90),
+        (".5", Fraction(1, 2)),
+        ("00:00:03.003000000", Fraction(3003, 1000)),
+    ],
+)
+def test_times_people_and_files_write(text, seconds):
+    assert parse_time(text) == seconds
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("", ":", "1:", "::1", "1:-30", "-1", "+1", "1/3", "1_0", "nan", "inf", "1e3", "1e999999999"),
+        *("0:0:1e999999999", "1:2:3:4", "1.5:30", "1 2", "٣", "9" * 5000, "0x1", "1.2.3", "soon"),
+    ],
+)
+def test_what_is_no_time_is_refused_at_once(text):
+    with pytest.raises(ValueError, match="is no time"):
+        parse_time(text)
 
 
 def test_a_range_is_half_open_and_never_empty():

@@ -18,7 +18,7 @@ from mcsl_core.edl import Edl, Override
 from mcsl_core.edl.edits import change_look
 from mcsl_core.errors import Fault, UsageError
 from mcsl_core.outputs.locks import changing
-from mcsl_core.timing import FrameRange, format_time
+from mcsl_core.timing import FrameRange, format_time, parse_time
 
 AIDS = ("centering", "fill", "colour")
 
@@ -59,16 +59,10 @@ def _changed(edl: Edl, centre: str | None, start: str | None, stop: str | None, 
 
 
 def _seconds(text: str) -> Fraction:
-    """Seconds of ``h:mm:ss.d``, ``m:ss`` or plain seconds."""
     try:
-        seconds = Fraction(0)
-        for part in text.split(":"):
-            seconds = seconds * 60 + Fraction(part)
-        if seconds < 0 or text.count(":") > 2:
-            raise ValueError(text)
-    except (ValueError, ZeroDivisionError):
-        raise UsageError(f"{text!r} is no time", remedy="Write 1:02:03.5, 2:30 or seconds") from None
-    return seconds
+        return parse_time(text)
+    except ValueError as error:
+        raise UsageError(str(error), remedy="Write 1:02:03.5, 2:30 or seconds") from None
 
 
 def _pair(text: str) -> tuple[float, float]:

@@ -47,6 +47,9 @@ UNDERSTOOD = {
     "lines of Windows": PLAIN.replace("\n", "\r\n"),
     "lines of an old Macintosh": PLAIN.replace("\n", "\r"),
     "names in capitals with blanks": PLAIN.replace("time,x,y", " Time , X , Y ", 1),
+    "hours, minutes and seconds": table("time,x,y", "00:00:{t:07.4f},{x},{y}"),
+    "minutes and seconds, as spreadsheets show them": table("time,x,y", "0:{t:06.3f},{x},{y}"),
+    "the same with decimal commas": table("time;x;y", "00:00:{t:06.3f};{x};{y}").replace(".", ","),
     "milliseconds": table("time_ms,x,y", "{t:.1f},{x},{y}", t=1e3),
     "milliseconds in brackets": table("time [ms],x [px],y [px]", "{t:.1f},{x},{y}", t=1e3),
     "shares of the picture": table("time,x,y", "{t},{x},{y}", x=1 / 640, y=1 / 360),
@@ -101,6 +104,11 @@ def test_a_cameras_shares_are_of_its_own_picture(tmp_path: Path) -> None:
     assert look == Gaze(3, "g.csv", 639.5, 179.5, "cam1")
 
 
+def test_fractions_of_three_digits_are_no_thousands(tmp_path: Path) -> None:
+    text = "time,x,y\n0.001,100.125,80.5\n0.002,1.125,300\n"
+    assert [look.x for look in read_gaze(write(tmp_path / "g.csv", text), SHOWN).looks] == [100.125, 1.125]
+
+
 def test_observers_and_blinks_and_few_lines(tmp_path: Path) -> None:
     path = write(tmp_path / "視線.csv", "frame,observer,x,y,camera\n3,Kim,1,2,cam1\n\n4,Kim,,\n5,,50,60,\n")
     file = read_gaze(path, SHOWN)
@@ -127,6 +135,12 @@ REFUSED = {
     PUPIL + "s,r,1735689600000000000,200,150,1\n": "line 2: 1 of 1 looks lie outside of the programme",
     table("time,x,y", "{t},{x},{y}", x=6, y=6): "line 2: 720 of 720 looks lie past the picture of 640x360 pixels",
     table("time,gaze point x [DACS px],gaze point y [DACS px]", "{t},{x},{y}"): "no place in the picture",
+    table("time,x,y", "00:00:{t:05.2f}:00,{x},{y}"): "line 2: '00:00:00.00:00' is no number, and no time of hours",
+    table("frame,x,y", "0:0:{t:.3f},{x},{y}"): "line 2: '0:0:0.000' is no number",
+    'time,x,y\n0.1,"1,100",980\n0.2,980,"1,050"\n': "line 2: '1,100' may be 1100 or 1.1",
+    "time;x;y\n0,1;150;1.010\n0,2;160;20\n": "line 2: '1.010' may be 1010 or 1.01",
+    "frame;x;y\n999;150;1\n1.001;160;20\n": "line 3: '1.001' may be 1001 or 1.001",
+    "time,x,y\n": "holds no looks",
     table("time [h],x,y", "{t},{x},{y}"): "unit of time that is not known",
     table("Recording timestamp\tGaze point X\tGaze point Y", "{t}\t{x}\t{y}"): "names no unit",
     table("gaze_timestamp,norm_pos_x,norm_pos_y", "{t},{x},{y}"): "should be a share of the picture",

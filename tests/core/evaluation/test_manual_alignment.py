@@ -142,6 +142,12 @@ def test_a_pose_may_be_told_by_a_frame_in_it_and_only_once(edl: Edl, tmp_path: P
         load_manual(write(tmp_path / "m.json", {"alignments": moved}), edl)
 
 
+def test_thousands_in_a_csv_file_are_refused(edl: Edl, tmp_path: Path) -> None:
+    lines = ["camera;x;y;programme_x;programme_y", *(f"b;{x};{y};1.100;{20 * x}" for x, y in ((1, 2), (9, 2), (9, 8)))]
+    with pytest.raises(McslError, match=r"line 2: '1.100' may be 1100 or 1.1. Write 1100 for thousands"):
+        load_manual(write(tmp_path / "m.csv", "\n".join(lines)), edl)
+
+
 def test_a_csv_file(edl: Edl, tmp_path: Path) -> None:
     lines = ["pose,camera,x,y,programme_x,programme_y"]
     lines += [",".join(["", "b", *map(str, p)]) for p in POINTS] + [",".join(["1", "c", *map(str, p)]) for p in POINTS]

@@ -33,6 +33,17 @@ def test_rate_frames_and_duration(tmp_path, suffix, rate):
     assert not facts.has_audio
 
 
+@pytest.mark.parametrize("text", ["00:00:1e9999999999", "0:0:9/0-----------", "N/A:N/A:N/A", "no:time:at:all"])
+def test_a_matroska_duration_that_is_no_time_says_nothing(tmp_path, text):
+    """The first of these never came back, the others were tracebacks."""
+    path = write_coded(tmp_path / "a.mkv", range(70))
+    written, said = path.read_bytes(), b"00:00:02.333000000"
+    assert written.count(said) == 1
+    path.write_bytes(written.replace(said, text.encode().ljust(len(said), b"\0")))
+    facts = probe(path)
+    assert (facts.frames, facts.truncated) == (70, False)
+
+
 def test_variable_rate_is_told_from_rounding_and_from_a_slow_clock(tmp_path):
     rng = np.random.default_rng(3)
     stamps = np.cumsum(rng.integers(20, 70, 60)).tolist()
