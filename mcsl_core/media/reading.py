@@ -22,6 +22,7 @@ from .whole_frames import WholeFrames
 log = logging.getLogger(__name__)
 
 _REORDERED = 32  # packets to read until the frame that is shown after a keyframe has come
+_SHAPE = 0.02  # that much wider or narrower is a coder's rounding (1088 rows for 1080)
 
 
 class VideoReader:
@@ -52,7 +53,8 @@ class VideoReader:
         self._skip = "" if facts.decoding_order else skip  # what is left out could not be counted
         self._keys: list[int] = []
         self._woven = False  # whether a keyframe was
-        self.broken_key_s: Fraction | None = None  # the time of the keyframe asked for last, where it is damaged
+        self.broken_key_s: Fraction | None = None  # the time of the keyframe asked for last, where it is not whole
+        self.other_shape: tuple[int, int] | None = None  # the coded size of pictures that were left out for it
         self._reopen()
 
     def _reopen(self) -> None:
@@ -82,7 +84,7 @@ class VideoReader:
         ------
         time_s, frame
             The frame's presentation time on the file's own time; rising. None for the frame from the first that is not
-            whole to the next keyframe that is: what decoders show there is made up.
+            whole to the next keyframe that is: what decoders show there is made up; and for frames of another shape.
 
         Notes
         -----
@@ -147,11 +149,21 @@ class VideoReader:
                 stamp = timestamp_of(frame) if order is None else order.stamp(frame)
                 if stamp is not None:
                     time_s, is_key = stamp * self._stream.time_base - self.facts.zero_s, frame.pts in keys
-                    yield from judge.judged(time_s, frame, is_key=is_key)
+                    for shown_s, whole in judge.judged(time_s, frame, is_key=is_key):
+                        yield shown_s, whole if self._fits(whole) else None
             if lost and not judge.broken:
                 judge.broken = True
                 context.flush_buffers()
         yield from judge.end()
+
+    def _fits(self, frame: Any | None) -> bool:
+        """Whether a frame may be scaled to the file's size; one of another shape would be distorted."""
+        if frame is None:
+            return True
+        width, height = self.facts.coded_size
+        fits = abs(frame.width * height - width * frame.height) <= _SHAPE * width * frame.height
+        self.other_shape = self.other_shape if fits else (frame.width, frame.height)
+        return fits
 
     def _keyframe_stamps(self) -> list[int]:
         """Presentation timestamps of all keyframes where the file has a full index; else nothing.
@@ -218,7 +230,7 @@ class VideoReader:
         frames += context.decode(None)
         context.flush_buffers()
         shown = _from(frames, first)[:2]
-        if shown and shown[0].is_corrupt:
+        if shown and (shown[0].is_corrupt or not self._fits(shown[0])):
             return []
         if shown:
             self.broken_key_s = None

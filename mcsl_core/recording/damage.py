@@ -118,7 +118,11 @@ def _damage_around(footage: Footage, camera: str, frame: int) -> tuple[int, Dama
             start_s, stop_s = _not_whole(reader, from_s, file_s)
     if start_s is None:
         return None
-    return parts.index(part), Damage(start_s, stop_s or facts.usable_s, "damaged")
+    why = "damaged"
+    if reader.other_shape is not None:
+        other, usual = ("x".join(map(str, size)) for size in (reader.other_shape, facts.coded_size))
+        why = f"pictures of another shape ({other}, not {usual}); to use them, cut the file there into two cameras"
+    return parts.index(part), Damage(start_s, stop_s or facts.usable_s, why)
 
 
 def _not_whole(reader: VideoReader, from_s: Fraction, at_s: Fraction) -> tuple[Fraction | None, Fraction | None]:

@@ -1,0 +1,89 @@
+"""A stream whose pictures change their size: scaled where the shape stays, left out and told where it does not."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import av
+import pytest
+from coded_video import coded_picture, read_number
+from notes import Notes
+
+from mcsl_core.edl import Camera, Media
+from mcsl_core.imaging.planes import planes_to_bgr
+from mcsl_core.media.probing import probe
+from mcsl_core.progress import Silent
+from mcsl_core.recording.damage import damage_met, with_gaps
+from mcsl_core.recording.footage import Footage
+from mcsl_core.recording.sample_store import SampleStore
+from mcsl_core.timing import FrameRange
+
+EACH = 60
+RATE = Fraction(30)
+CODECS = {
+    ".ts": ("libx264", {"preset": "veryfast", "crf": "10", "bf": "0"}),
+    ".mkv": ("libx265", {"preset": "ultrafast", "crf": "10", "x265-params": "log-level=none:repeat-headers=1"}),
+    ".webm": ("libvpx-vp9", {"deadline": "realtime", "cpu-used": "8", "crf": "20", "b": "0"}),
+}
+
+
+def film(path, sizes):
+    """Two seconds of each size in one stream, as a recorder writes whose input changes."""
+    codec, options = CODECS[path.suffix]
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream(codec, rate=30)
+        stream.width, stream.height, stream.pix_fmt = *sizes[0], "yuv420p"
+        number = 0
+        for size in sizes:
+            encoder = av.CodecContext.create(codec, "w")
+            encoder.width, encoder.height, encoder.pix_fmt = *size, "yuv420p"
+            encoder.time_base, encoder.framerate, encoder.gop_size = 1 / RATE, RATE, 30
+            encoder.options = options
+            packets = []
+            for _ in range(EACH):
+                frame = av.VideoFrame.from_ndarray(coded_picture(number, size), format="bgr24")
+                frame = frame.reformat(format="yuv420p", dst_colorspace="ITU709")
+                frame.pts, frame.time_base = number, 1 / RATE
+                packets += encoder.encode(frame)
+                number += 1
+            for packet in [*packets, *encoder.encode(None)]:
+                packet.stream = stream
+                container.mux(packet)
+    return path
+
+
+def footage_of(path, count, gaps=()):
+    facts = probe(path)
+    camera = Camera("cam", (Media(path.name, facts.frames),), facts.size, facts.rate, gaps=gaps)
+    return Footage([camera], rate=RATE, frames=count * EACH, base=path.parent, threads=1)
+
+
+def numbers(footage):
+    shown = enumerate(footage.planes("cam", FrameRange(0, footage.frames)))
+    return {frame: read_number(planes_to_bgr(planes)) for frame, planes in shown if planes is not None}
+
+
+@pytest.mark.parametrize("suffix", CODECS)
+def test_pictures_of_the_same_shape_are_scaled(tmp_path, suffix):
+    footage = footage_of(film(tmp_path / f"a{suffix}", [(256, 144), (512, 288), (256, 144)]), 3)
+    seen = numbers(footage)
+    assert {frame: number for frame, number in seen.items() if frame != number} == {}
+    assert len(seen) >= 3 * EACH - 2
+
+
+@pytest.mark.parametrize("suffix", CODECS)
+def test_pictures_of_another_shape_are_a_gap_and_told(tmp_path, suffix):
+    path = film(tmp_path / f"a{suffix}", [(256, 144), (320, 240), (256, 144)])
+    footage = footage_of(path, 3)
+    seen = numbers(footage)
+    assert {frame: number for frame, number in seen.items() if frame != number} == {}
+    assert not [frame for frame in seen if EACH <= frame < 2 * EACH]
+    assert len(seen) >= 2 * EACH - 3
+    samples = SampleStore.record(footage, tmp_path / "samples", Silent(), step_s=0.5)
+    notes = Notes()
+    (camera,) = with_gaps(footage, damage_met(footage, samples), notes)
+    samples.close()
+    (gap,) = camera.gaps
+    assert EACH - 3 <= gap.start <= EACH
+    assert gap.stop == 2 * EACH
+    assert [note for note in notes.notes if "another shape (320x240, not 256x144)" in note and path.name in note]
