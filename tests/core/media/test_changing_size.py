@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import Any
 
 import av
 import pytest
@@ -31,11 +32,11 @@ def film(path, sizes):
     """Two seconds of each size in one stream, as a recorder writes whose input changes."""
     codec, options = CODECS[path.suffix]
     with av.open(str(path), "w") as container:
-        stream = container.add_stream(codec, rate=30)
+        stream: Any = container.add_stream(codec, rate=30)
         stream.width, stream.height, stream.pix_fmt = *sizes[0], "yuv420p"
         number = 0
         for size in sizes:
-            encoder = av.CodecContext.create(codec, "w")
+            encoder: Any = av.CodecContext.create(codec, "w")
             encoder.width, encoder.height, encoder.pix_fmt = *size, "yuv420p"
             encoder.time_base, encoder.framerate, encoder.gop_size = 1 / RATE, RATE, 30
             encoder.options = options

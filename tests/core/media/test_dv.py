@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import Any
 
 import pytest
 from coded_video import read_number, write_coded
@@ -13,8 +14,8 @@ from mcsl_core.media.frames import to_planes
 from mcsl_core.media.probing import probe
 from mcsl_core.media.reading import VideoReader
 
-PAL = {"size": (720, 576), "rate": Fraction(25), "pix_fmt": "yuv420p"}
-NTSC = {"size": (720, 480), "rate": Fraction(30000, 1001), "pix_fmt": "yuv411p"}
+PAL: dict[str, Any] = {"size": (720, 576), "rate": Fraction(25), "pix_fmt": "yuv420p"}
+NTSC: dict[str, Any] = {"size": (720, 480), "rate": Fraction(30000, 1001), "pix_fmt": "yuv411p"}
 
 
 @pytest.mark.parametrize(("system", "shown"), [(PAL, (768, 576)), (NTSC, (640, 480))], ids=["PAL", "NTSC"])
