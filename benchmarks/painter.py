@@ -45,6 +45,11 @@ class Painter(CameraPictures):
         labels = np.full((height, width), CLASSES.index("elsewhere"), np.uint8)
         labels[field] = CLASSES.index("field")
         labels[self._hidden > 127] = CLASSES.index("in the way")
+        true = pinhole.through_lens(self._k1)
+        if true.k1:
+            x, y = self._optics.drawn_at(true, pinhole, self._size)
+            labels = cv2.remap(labels, x, y, cv2.INTER_NEAREST, borderMode=cv2.BORDER_REPLICATE)
+            field = cv2.remap(field.astype(np.uint8), x, y, cv2.INTER_NEAREST) > 0
         labels = cv2.resize(labels, (shape[1], shape[0]), interpolation=cv2.INTER_NEAREST)
         around = np.ones((2 * EDGE_PX + 1, 2 * EDGE_PX + 1), np.uint8)
         plain = cv2.erode(labels, around) == cv2.dilate(labels, around)

@@ -7,6 +7,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from .floor import SHADED_MM, Floor
+from .glare import Glare
 from .ground import Ground
 from .layers import Picture, layer_of
 from .rig import PinholeCamera
@@ -18,6 +20,8 @@ COARSE, COARSE_MOVING = 4, 8
 While the lamp moves, every eighth does."""
 STEPS = 64
 """Steps from one state of the field to the next: finer ones change no pixel by a whole level."""
+STEPS_OF_GLARE = 192
+"""The same where glare wanders over it: eight a second."""
 SHUTTER_S = 1 / 60
 
 
@@ -67,6 +71,11 @@ class Backdrop:
     def __init__(self, scene: Scene, ground: Ground, camera: int, gains: NDArray) -> None:
         self._scene, self._ground, self._camera, self._gains = scene, ground, camera, gains
         self._base = layer_of(ground.base, gains)
+        traits = scene.scenario.traits
+        self._floor = Floor.of(scene.scenario) if traits.floor else None
+        self._floor_layer = layer_of(self._floor.picture, gains) if self._floor else None
+        self._glare = Glare(ground, camera, scene.rig.azimuth_deg[camera]) if traits.glare else None
+        self._steps = STEPS_OF_GLARE if traits.glare else STEPS
         self._states: dict[int, NDArray] = {}
         self._still: _PosePicture | None = None
         self._moving: tuple[int, NDArray] | None = None
@@ -75,7 +84,7 @@ class Backdrop:
         """The picture at programme time ``t``, not to be drawn upon, and the camera then."""
         pose, still = self._scene.path.pose(t)
         pinhole = self._scene.rig.pinhole(self._camera, pose)
-        step = round(self._scene.progression.at(t) * STEPS)
+        step = round(self._scene.progression.at(t) * self._steps)
         if still is None:
             if self._moving is None or self._moving[0] != step:
                 self._moving = (step, self._texture(step))
@@ -89,17 +98,16 @@ class Backdrop:
 
     def picture_from(self, t: float, pinhole: PinholeCamera) -> Picture:
         """The picture at programme time ``t`` of a camera that stands still at ``pinhole``."""
-        step = round(self._scene.progression.at(t) * STEPS)
-        return Picture.of(_remapped(self._texture(step), *self._maps(pinhole)))
+        step = round(self._scene.progression.at(t) * self._steps)
+        return Picture.of(self._seen(self._texture(step), pinhole, self._maps(pinhole)))
 
     def _blurred(self, texture: NDArray, t: float) -> NDArray:
         """The picture of a moving camera while its shutter is open: the mean of two exposures."""
         exposures = []
         for instant in (t - SHUTTER_S / 4, t + SHUTTER_S / 4):
             pose, _ = self._scene.path.pose(instant)
-            exposures.append(
-                _remapped(texture, *self._maps(self._scene.rig.pinhole(self._camera, pose), COARSE_MOVING))
-            )
+            pinhole = self._scene.rig.pinhole(self._camera, pose)
+            exposures.append(self._seen(texture, pinhole, self._maps(pinhole, COARSE_MOVING)))
         return cv2.addWeighted(exposures[0], 0.5, exposures[1], 0.5, 0)
 
     def _state(self, stage: int) -> NDArray:
@@ -110,8 +118,9 @@ class Backdrop:
         return self._states[stage]
 
     def _field_at(self, step: int) -> NDArray:
-        stage, way = step // STEPS, step % STEPS / STEPS
-        return cv2.addWeighted(self._state(stage), 1 - way, self._state(stage + 1), way, 0)
+        stage, way = step // self._steps, step % self._steps / self._steps
+        field = cv2.addWeighted(self._state(stage), 1 - way, self._state(stage + 1), way, 0)
+        return self._glare.over(field, step / self._steps * self._scene.progression.stage_s) if self._glare else field
 
     def _texture(self, step: int) -> NDArray:
         texture = self._base.copy()
@@ -131,11 +140,24 @@ class Backdrop:
         mx, my = (cv2.resize(g * scale + shift, full, interpolation=cv2.INTER_LINEAR) for g in (gx, gy))
         return mx[:height, :width], my[:height, :width]
 
+    def _seen(self, texture: NDArray, pinhole: PinholeCamera, maps: tuple[NDArray, NDArray]) -> NDArray:
+        """The table, and the floor where the camera looks past it."""
+        whole = _remapped(texture, *maps)
+        if self._floor is None or self._floor_layer is None:
+            return whole
+        return self._floor.below(whole, self._floor_layer, pinhole, self._on_table(maps))
+
+    def _on_table(self, maps: tuple[NDArray, NDArray]) -> tuple[NDArray, NDArray]:
+        """x and y in mm of positions in the ground's map."""
+        return maps[0] * self._ground.pitch_mm - HALF_MM, maps[1] * self._ground.pitch_mm - HALF_MM
+
     def _fresh(self, pose: int, step: int, pinhole: PinholeCamera) -> _PosePicture:
         map_x, map_y = self._maps(pinhole)
         cut = self._ground.cut
         low, high = cut[0].start + 1, cut[0].stop - 2
         mask = (map_x > low) & (map_x < high) & (map_y > low) & (map_y < high)
+        if self._floor:
+            mask &= self._floor.outside(*self._on_table((map_x, map_y))) < -SHADED_MM
         window = None
         if mask.any():
             rows, columns = np.flatnonzero(mask.any(1)), np.flatnonzero(mask.any(0))
@@ -143,7 +165,7 @@ class Backdrop:
             mask, map_x_cut, map_y_cut = mask[window], map_x[window] - cut[1].start, map_y[window] - cut[0].start
         else:
             map_x_cut, map_y_cut = map_x, map_y
-        whole = _remapped(self._texture(step), map_x, map_y)
+        whole = self._seen(self._texture(step), pinhole, (map_x, map_y))
         return _PosePicture(pose, step, whole, Picture.of(whole), window, mask.astype(np.uint8), map_x_cut, map_y_cut)
 
     def _refreshed(self, still: _PosePicture, step: int) -> _PosePicture:

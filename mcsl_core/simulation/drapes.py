@@ -36,6 +36,8 @@ def paint_drapes(scenario: Scenario, site: Site, grid: Grid) -> tuple[NDArray, N
     colour = np.empty((*shape, 3), np.float32)
     colour[:] = base
     bump = np.zeros(shape, np.float32)
+    if scenario.traits.plain:
+        return colour, bump
 
     # The sheet lies over the towels from ``width`` outwards: they need painting up to there only.
     reach = min(round((float(site.towels[:, 2].max()) * 1.35 + width + 30) / pitch), shape[0] // 2)

@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 
 from .drapes import paint_drapes
 from .paint import lambert, mix, normals, shine, to_uint8
+from .photograph import cloth_detail, tissue_detail
 from .props import gauze_in_field, litter
 from .rig import CAMERA_CIRCLE_MM, LAMP_HEIGHT_MM, Rig
 from .scenario import Scenario
+from .straps import straps
 from .surface import HALF_MM, Grid, Surface, sample
 from .tissue import Tissue, paint_tissue
 
@@ -74,13 +76,21 @@ class Ground:
         span = slice(middle - reach, middle + reach + 1)
         cut = (span, span)
         tissue = paint_tissue(scenario, surface.site, grid.part(cut))
+        traits = scenario.traits
+        if traits.photograph:
+            colour *= cloth_detail(scenario, pitch, colour.shape)
+            detailed = tissue.colour * tissue_detail(scenario, pitch, tissue.colour.shape)
+            tissue = attrs.evolve(tissue, colour=detailed)
         bump[cut] = bump[cut] * (1 - tissue.opening) + tissue.bump_mm * tissue.opening
         normal = normals(coarse + bump, pitch)
         light = lighting(coarse, normal, grid)
         colour *= light[..., None]
         layer = np.zeros((*grid.x.shape, 4), np.float32)
         layer[..., 3] = 1
-        litter(scenario, surface.site, layer, pitch)
+        if not traits.plain:
+            litter(scenario, surface.site, layer, pitch)
+        if traits.straps:
+            straps(scenario, surface.site, layer, pitch)
         base = to_uint8(colour * layer[..., 3:] + layer[..., :3])
         glints = tuple(glint(normal[cut], azimuth) for azimuth in rig.azimuth_deg)
         return cls(

@@ -19,6 +19,8 @@ from .rig import PinholeCamera
 from .scenario import Scenario
 from .schedule import LampPath, Track, ease, make_track
 
+Maps = tuple[NDArray, NDArray]
+"""x and y as `cv2.remap` takes them."""
 OFFSETS = np.array([16.0, 128, 128])
 SETTLING_S = (1.2, 2.6)
 """Within which time a camera's exposure comes two thirds of the way to where it should be."""
@@ -109,7 +111,7 @@ class Optics:
         self._exposure = Exposure.of(scenario, path, camera) if traits.exposure else None
         self._balance = WhiteBalance.of(scenario, camera) if traits.white_balance else None
         self._blur_px = traits.defocus * scenario.size[0] if camera == defocused(scenario) else 0.0
-        self._maps: tuple[float, tuple[NDArray, NDArray], tuple[NDArray, NDArray]] | None = None
+        self._maps: tuple[float, Maps, Maps] | None = None
 
     def seen(self, picture: Picture, drawn: PinholeCamera, true: PinholeCamera, t: float) -> Picture:
         """The picture as the camera sees it at programme time ``t``.
@@ -136,22 +138,27 @@ class Optics:
             gains = gains * self._balance.at(t)
         return _brightened(picture, gains) if (gains != 1).any() else picture
 
+    def drawn_at(self, true: PinholeCamera, drawn: PinholeCamera, size: tuple[int, int]) -> Maps:
+        """x and y (H, W) float32 where the picture was drawn that each pixel shows."""
+        px = np.stack(np.meshgrid(np.arange(size[0], dtype=float), np.arange(size[1], dtype=float)), -1)
+        x, y = np.moveaxis(true.undistorted(px) @ drawn.K[:2, :2].T + drawn.K[:2, 2], -1, 0)
+        return x.astype(np.float32), y.astype(np.float32)
+
     def _distorted(self, picture: Picture, drawn: PinholeCamera, true: PinholeCamera) -> Picture:
         """The picture through a lens that distorts: each of its pixels is looked up where the drawing has it."""
         focal = float(true.K[0, 0])
         if self._maps is None or self._maps[0] != focal:
             rows, columns = picture.y.shape
-            px = np.stack(np.meshgrid(np.arange(columns, dtype=float), np.arange(rows, dtype=float)), -1)
-            flat = true.undistorted(px.reshape(-1, 2)) @ drawn.K[:2, :2].T + drawn.K[:2, 2]
-            x, y = flat.reshape(*px.shape).astype(np.float32).transpose(2, 0, 1)
+            full = self.drawn_at(true, drawn, (columns, rows))
             # A chroma sample lies amid four luma samples.
-            half = tuple(
-                (cv2.resize(m, (columns // 2, rows // 2), interpolation=cv2.INTER_AREA) - 0.5) / 2 for m in (x, y)
-            )
-            self._maps = focal, (np.ascontiguousarray(x), np.ascontiguousarray(y)), half
+            x, y = ((cv2.resize(m, (columns // 2, rows // 2), interpolation=cv2.INTER_AREA) - 0.5) / 2 for m in full)
+            self._maps = focal, full, (x, y)
         _, full, half = self._maps
-        planes = [(picture.y, full), (picture.u, half), (picture.v, half)]
-        return Picture(*(cv2.remap(p, *maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE) for p, maps in planes))
+        return Picture(_remapped(picture.y, full), _remapped(picture.u, half), _remapped(picture.v, half))
+
+
+def _remapped(plane: NDArray, maps: Maps) -> NDArray:
+    return cv2.remap(plane, *maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
 
 
 def defocused(scenario: Scenario) -> int | None:

@@ -144,7 +144,7 @@ def gauze_in_field(scenario: Scenario, layer: NDArray, site: Site, pitch: float,
     rng = scenario.stream("field gauze")
     if rng.random() < 0.4:
         return
-    sprite = swab(rng, pitch, rng.uniform(26, 40))
+    sprite = swab(rng, pitch, scenario.traits.narrow * rng.uniform(26, 40))
     angle = np.deg2rad(site.axis_deg) + rng.choice((0, np.pi)) + rng.normal(0, 0.5)
     far = site.wound_mm[0] * rng.uniform(0.85, 1.2)
     at = (far * np.cos(angle), far * np.sin(angle))

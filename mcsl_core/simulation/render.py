@@ -155,7 +155,7 @@ class CameraPictures:
 def inside(px: NDArray, size: tuple[int, int]) -> NDArray:
     """(M,) which of (M, 2) pixels lie inside a picture of (width, height)."""
     whole = np.rint(px).astype(np.intp)
-    return ((whole >= 0) & (whole < size)).all(1)
+    return np.asarray(((whole >= 0) & (whole < size)).all(1))
 
 
 class FieldCount:

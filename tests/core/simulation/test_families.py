@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 
 import attrs
 import cv2
@@ -14,8 +15,9 @@ from mcsl_core.cli.main import cli
 from mcsl_core.errors import UsageError
 from mcsl_core.imaging.planes import planes_to_bgr
 from mcsl_core.progress import Silent
-from mcsl_core.simulation import FAMILIES, Scenario, load_truth, simulate
+from mcsl_core.simulation import FAMILIES, Scenario, load_truth, photograph, simulate
 from mcsl_core.simulation.clocks import clocks
+from mcsl_core.simulation.floor import DEPTH_MM, Floor
 from mcsl_core.simulation.ground import Ground
 from mcsl_core.simulation.layers import Picture
 from mcsl_core.simulation.optics import Optics, defocused
@@ -45,8 +47,8 @@ def luma(pictures: CameraPictures, frame: int) -> np.ndarray:
 def test_families_choose_what_is_not_given():
     assert (Scenario(families=("quick-heads",)).heads, Scenario().heads) == (6, 3)
     assert Scenario(families=("quick-heads",), heads=2).heads == 2
-    both = Scenario(families=("brown-drape", "bare-hands"))
-    assert (both.drape, both.gloves) == ("brown", "bare")
+    both = Scenario(families=("brown-drape", "red-straps"))
+    assert (both.drape, both.gloves) == ("brown", "tan")
     assert Scenario(families=("limb", "narrow-field")).relief_mm == Scenario(families=("limb",)).relief_mm / 2
 
 
@@ -71,10 +73,10 @@ def test_the_command_line_combines_them_and_what_is_given_wins(tmp_path):
         return json.loads((tmp_path / "truth.json").read_text())["scenario"]
 
     assert "families" not in made()
-    several = made("--family", "limb", "--family", "brown-drape", "--family", "bare-hands", "--drape", "blue")
-    assert several["families"] == ["limb", "brown-drape", "bare-hands"]
-    assert (several["drape"], several["gloves"], several["relief_mm"]) == ("blue", "bare", 48.0)
-    assert load_truth(tmp_path).scenario.families == ("limb", "brown-drape", "bare-hands")
+    several = made("--family", "limb", "--family", "brown-drape", "--family", "red-straps", "--drape", "blue")
+    assert several["families"] == ["limb", "brown-drape", "red-straps"]
+    assert (several["drape"], several["gloves"], several["relief_mm"]) == ("blue", "tan", 48.0)
+    assert load_truth(tmp_path).scenario.families == ("limb", "brown-drape", "red-straps")
 
 
 ALL_AT_ONCE = tuple(name for name in FAMILIES if name not in ("blown-drape", "bare-hands", "photographic"))
@@ -242,3 +244,93 @@ def test_a_camera_with_distortion_goes_there_and_back():
     assert np.allclose(rays[:, :2] / rays[:, 2:], points[:, :2] / points[:, 2:], atol=1e-9)
     corner = PinholeCamera(K, np.eye(3), np.zeros(3)).rays(np.array([[0.0, 0.0]]))
     assert np.allclose(camera.project(corner), [[0, 0]], atol=1e-9)
+
+
+def test_the_floor_lies_far_below_and_beside_the_table_alone():
+    scene, ground = staged(families=("floor",), size=(640, 360))
+    bare = staged(size=(640, 360))
+    x, y = np.meshgrid(np.arange(640.0), np.arange(360.0))
+    floor, shown, cameras = Floor.of(scene.scenario), {}, {}
+    for camera in (1, 3):  # both look past the same edge
+        pinhole = cameras[camera] = scene.rig.pinhole(camera, scene.path.poses[0])
+        shown[camera] = luma(pictures_of(scene, ground, camera), 100)  # the field has changed since the beginning
+        coloured = [
+            planes_to_bgr(pictures_of(*staging, camera).frame(100)[0]).astype(int)
+            for staging in ((scene, ground), bare)
+        ]
+        differs = np.abs(coloured[0] - coloured[1]).max(2) > 12
+        rays = pinhole.rays(np.stack([x, y], -1))
+        table = pinhole.centre_mm + rays * (-pinhole.centre_mm[2] / rays[..., 2:])  # where they meet z = 0
+        beyond = floor.outside(table[..., 0], table[..., 1])
+        assert (beyond > 20).mean() > 0.05
+        assert differs[beyond > 30].mean() > 0.85  # the drapes lie below z = 0 there: their edge is seen further out
+        assert differs[beyond < -50].mean() < 0.001
+    # What both cameras see of it agrees at its depth, by the plane's homography.
+    on_floor = np.array([[1, 0, 0], [0, 1, 0], [0, 0, -DEPTH_MM], [0, 0, 1.0]])
+    first, second = (cameras[c].K @ np.column_stack([cameras[c].R, cameras[c].t]) @ on_floor for c in (1, 3))
+    warp = first @ np.linalg.inv(second)
+    laid = cv2.warpPerspective(shown[3].astype(np.float32), warp, (640, 360))
+    both = cv2.warpPerspective((beyond > 30).astype(np.float32), warp, (640, 360)) > 0.99
+    rays = cameras[1].rays(np.stack([x, y], -1))
+    table = cameras[1].centre_mm + rays * (-cameras[1].centre_mm[2] / rays[..., 2:])
+    both &= floor.outside(table[..., 0], table[..., 1]) > 30
+    assert both.sum() > 1000
+    assert np.corrcoef(laid[both], shown[1][both])[0, 1] > 0.85
+
+
+def test_glare_wanders_over_the_field_and_is_each_cameras_own():
+    shining, dull = staged(families=("glare",), size=(640, 360)), staged(size=(640, 360))
+    places = []
+    for camera in (0, 2):
+        bright, plain = pictures_of(*shining, camera), pictures_of(*dull, camera)
+        pinhole = shining[0].rig.pinhole(camera, shining[0].path.poses[0])
+        field = np.rint(pinhole.project(shining[0].surface.visibility_points_mm)).astype(int)
+        added = {}
+        for frame in (16, 20, 60, 90, 120, 150):
+            gain = luma(bright, frame) - luma(plain, frame)
+            assert np.abs(gain[:20]).max() < 12  # far from the field nothing shines but grain
+            added[frame] = gain[field[:, 1].clip(0, 359), field[:, 0].clip(0, 639)]
+            assert added[frame].max() > 50
+        alike = [np.corrcoef(added[16], added[frame])[0, 1] for frame in added]
+        assert alike[1] > 0.8  # half a second later
+        assert min(alike) < 0.75
+        places.append(added[16])
+    assert np.corrcoef(*places)[0, 1] < 0.7
+
+
+def test_straps_are_red_and_lie_about_the_field():
+    scene, ground = staged(families=("red-straps",), size=(640, 360))
+    planes, _ = pictures_of(scene, ground, 0).frame(8)
+    plain, _ = pictures_of(*staged(size=(640, 360)), 0).frame(8)
+    differs = np.abs(planes_to_bgr(planes).astype(int) - planes_to_bgr(plain)).max(2) > 60
+    assert differs.mean() > 0.002
+    blue, green, red = planes_to_bgr(planes)[differs].mean(0)
+    assert red > 2 * max(blue, green)
+
+
+def test_a_monotone_drape_has_nothing_to_match():
+    def detail(**changes) -> float:
+        scene, ground = staged(size=(640, 360), noise=0, **changes)
+        field = scene.surface.site.opening(*np.meshgrid(*2 * [np.linspace(-432, 432, ground.base.shape[0])])) > -8
+        grey = cv2.cvtColor(ground.base, cv2.COLOR_BGR2GRAY).astype(float)
+        return float(np.abs(cv2.Laplacian(grey, cv2.CV_64F))[~field].mean())
+
+    assert detail(families=("monotone-drape",)) < 0.1 * detail()
+
+
+def test_photographs_give_detail_that_paint_has_not():
+    pytest.importorskip("skimage", reason="scikit-image is not installed; it has the photographs")
+    painted, detailed = staged()[1], staged(families=("photographic",))[1]
+    ratio = detailed.tissue.colour.mean((0, 1)) / painted.tissue.colour.mean((0, 1))
+    assert np.abs(ratio - 1).max() < 0.1  # of the same colour
+    change = np.abs(detailed.tissue.colour - painted.tissue.colour).mean() / painted.tissue.colour.mean()
+    assert change > 0.02
+
+
+def test_without_the_photographs_it_says_what_to_install(monkeypatch, tmp_path):
+    photograph._photograph.cache_clear()
+    monkeypatch.setitem(sys.modules, "skimage", None)
+    with pytest.raises(UsageError, match="scikit-image") as told:
+        simulate(Scenario(duration_s=0.5, movements=0, size=(160, 90), families=("photographic",)), tmp_path, Silent())
+    assert "pip install" in str(told.value)
+    assert not list(tmp_path.glob("*.mp4"))
