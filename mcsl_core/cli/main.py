@@ -5,6 +5,7 @@ Exit codes: 0 done, 2 wrong call, 3 input refused, 4 failed, 130 stopped.
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from functools import partial
@@ -20,7 +21,8 @@ from mcsl_core.progress import JsonLines
 from . import stopping
 from .commands import COMMANDS
 from .options import Commands
-from .output import MODES, Session, own_output
+from .output import MODES, Session
+from .streams import give_up, open_closed, own_output
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -55,8 +57,10 @@ def main(arguments: list[str] | None = None) -> int:
     """Runs the command line and returns its exit code; every error is one line for people."""
     if arguments is not None:
         return _run(arguments)
+    open_closed()
     stopping.install()
     code = _run(sys.argv[1:])
+    give_up()
     stopping.finish(code)
     return code
 
@@ -84,7 +88,6 @@ def _run(arguments: list[str]) -> int:
             raise
         return _fail(error, as_json)
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except Exception as error:
         if stopping.was_asked():  # an import, say, turned the interrupt into an error of its own
@@ -97,14 +100,17 @@ def _run(arguments: list[str]) -> int:
 
 def _told(error: Exception, arguments: list[str]) -> McslError:
     """What people can do about an error that is none of ours."""
+    command = next((f"mcsl {a}" for a in arguments if a in cli.commands), "mcsl")
     if isinstance(error, MemoryError) or "OutOfMemoryError" in str(error) or "Insufficient memory" in str(error):
-        command = next((f"mcsl {a}" for a in arguments if a in cli.commands), "mcsl")
         told = f" ({error})" if str(error) else ""
         remedy = "Close other programs, take fewer --jobs or smaller pictures, or a machine with more memory"
         return McslError(f"the memory does not suffice{told}", where=command, remedy=remedy)
     if isinstance(error, OSError) and error.filename is not None:
         remedy = "Check the path, its permissions and the room on the disk"
         return McslError(f"{error.strerror or error}", where=os.fsdecode(str(error.filename)), remedy=remedy)
+    if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
+        remedy = "Make room on the disks that are written to, that of its output too"
+        return McslError(f"{error.strerror}", where=command, remedy=remedy)
     if isinstance(error, RuntimeError) and str(error).startswith("Symlink loop from "):
         where = str(error).removeprefix("Symlink loop from ").strip("'")
         return McslError("is a link that leads to itself", where=where, remedy="Correct the link")
@@ -126,9 +132,12 @@ def _wants_json(arguments: list[str]) -> bool:
 
 
 def _fail(error: McslError, as_json: bool, out: IO[str] | None = None, err: IO[str] | None = None) -> int:
-    if as_json:
-        JsonLines(out or sys.stdout).error(error.what, error.where, error.remedy, error.exit_code)
-    else:
+    try:
+        if as_json:
+            JsonLines(out or sys.stdout).error(error.what, error.where, error.remedy, error.exit_code)
+    except OSError:  # nobody reads it
+        as_json = False
+    if not as_json:
         print(f"mcsl: {error}", file=err or sys.stderr, flush=True)
     return error.exit_code
 

@@ -1,14 +1,11 @@
 """One call of the command line: how its progress is shown, and how its result is told.
 
-Standard output is for results, and with ``--progress json`` for one message a line: programs read it. Plugins and the
-libraries under them print as they like, from C too, so what anybody else prints goes to standard error.
+Standard output is for results, and with ``--progress json`` for one message a line: programs read it.
 """
 
 from __future__ import annotations
 
 import contextlib
-import io
-import os
 import sys
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -19,25 +16,6 @@ from mcsl_core.errors import UsageError
 from mcsl_core.progress import JsonLines, Progress
 
 MODES = ("auto", "bar", "lines", "json", "none")
-
-
-def own_output() -> None:
-    """Puts `sys.stdout` on a descriptor of its own, so that who writes to descriptor 1 itself writes to standard error.
-
-    Not at a terminal, where nobody parses; and for good, because C's buffers are written out after everything else.
-    """
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")  # a name of a file that is no text is no reason to fail
-    given = sys.stdout
-    try:
-        if given.isatty() or given.fileno() != 1:
-            return
-    except (AttributeError, OSError, ValueError):  # none, closed, or no file
-        return
-    given.flush()
-    sys.stdout = os.fdopen(os.dup(1), "w", encoding=given.encoding, errors=given.errors)
-    os.dup2(2, 1)
 
 
 class Session:

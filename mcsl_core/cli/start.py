@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from . import stopping
+from . import stopping, streams
 
 
 def main() -> int:
     """The command line of this process; its exit code."""
+    streams.open_closed()
     stopping.install()
     from .main import main as run
 
