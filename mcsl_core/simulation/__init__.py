@@ -10,6 +10,7 @@ from mcsl_core.lazy import lazy_names
 
 if TYPE_CHECKING:
     from .families import FAMILIES
+    from .field_truth import true_field
     from .recorder import Recorder
     from .recording import simulate
     from .scenario import Scenario
@@ -26,12 +27,14 @@ __all__ = [
     "best_plane_error",
     "load_truth",
     "simulate",
+    "true_field",
 ]
 
 __getattr__, __dir__ = lazy_names(
     __name__,
     {
         f"{__name__}.families": ["FAMILIES"],
+        f"{__name__}.field_truth": ["true_field"],
         f"{__name__}.recorder": ["Recorder"],
         f"{__name__}.recording": ["simulate"],
         f"{__name__}.scenario": ["Scenario"],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from pathlib import Path
 
 import attrs
 import cv2
@@ -15,7 +16,7 @@ from mcsl_core.cli.main import cli
 from mcsl_core.errors import UsageError
 from mcsl_core.imaging.planes import planes_to_bgr
 from mcsl_core.progress import Silent
-from mcsl_core.simulation import FAMILIES, Scenario, load_truth, photograph, simulate
+from mcsl_core.simulation import FAMILIES, Scenario, load_truth, photograph, simulate, true_field
 from mcsl_core.simulation.clocks import clocks
 from mcsl_core.simulation.floor import DEPTH_MM, Floor
 from mcsl_core.simulation.ground import Ground
@@ -334,3 +335,26 @@ def test_without_the_photographs_it_says_what_to_install(monkeypatch, tmp_path):
         simulate(Scenario(duration_s=0.5, movements=0, size=(160, 90), families=("photographic",)), tmp_path, Silent())
     assert "pip install" in str(told.value)
     assert not list(tmp_path.glob("*.mp4"))
+
+
+@pytest.mark.parametrize("families", [(), ("limb", "lens"), ("narrow-field",)])
+def test_the_true_field_is_where_its_points_are_seen(families, tmp_path):
+    scenario = attrs.evolve(SMALL, duration_s=0.5, cameras=3, families=families)
+    truth = simulate(scenario, tmp_path, Silent())
+    for camera in range(3):
+        mask = true_field(truth, 0, camera, (320, 180))
+        px = np.rint(truth.poses[0].field_points_px[camera]).astype(int)
+        inside = ((px >= 0) & (px < (320, 180))).all(1)
+        assert mask[px[inside, 1], px[inside, 0]].mean() > 0.97
+        hull = np.zeros((180, 320), np.uint8)
+        cv2.fillConvexPoly(hull, cv2.convexHull(px.astype(np.int32)), 1)
+        union = (mask | (hull > 0)).sum()
+        assert (mask & (hull > 0)).sum() / union > 0.85  # the points keep two millimetres off the drapes
+        small = true_field(truth, 0, camera, (160, 90))
+        assert (small == mask[::2, ::2]).mean() > 0.97
+
+
+def test_the_page_about_them_names_each():
+    page = (Path(__file__).parents[3] / "docs/how-to/simulate.md").read_text("utf-8")
+    rows = [line.split("|")[1].strip(" `") for line in page.splitlines() if line.startswith("| `")]
+    assert rows == list(FAMILIES)
