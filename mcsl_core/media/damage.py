@@ -5,6 +5,7 @@ from __future__ import annotations
 from array import array
 from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 from attrs import frozen
@@ -18,6 +19,7 @@ from .packets import judged_packets
 _HOLE_S = 1.0  # without any packet: less is a recorder that dropped some pictures
 _HOLE_STEPS = 6  # times the widest usual step, for films whose rate varies
 _TOLD_BYTES = 8 << 20
+_TS_SYNC, _TS_PACKET, _M2TS_PACKET, _M2TS_HEAD = b"G", 188, 192, 4  # M2TS puts a time before each packet
 
 
 @frozen
@@ -50,7 +52,8 @@ def find_damage(facts: MediaFacts, told: Callable[[int], None] | None = None) ->
     Returns
     -------
     tuple of Damage
-        In order, apart from each other. The end that a file lacks (`MediaFacts.truncated`) is one.
+        In order, apart from each other. The end that a file lacks (`MediaFacts.truncated`) is one; of a transport
+        stream, which promises none, its last picture.
 
     Notes
     -----
@@ -62,6 +65,8 @@ def find_damage(facts: MediaFacts, told: Callable[[int], None] | None = None) ->
     found += [Damage(start, stop, "nothing recorded") for start, stop in _holes(stamps, facts)]
     if facts.usable_s < facts.end_s:
         found.append(Damage(facts.usable_s, facts.end_s, "cut short"))
+    elif _ends_inside_a_packet(facts.path):
+        found.append(Damage(facts.end_s - 1 / facts.rate, facts.end_s, "cut short"))
     return _merged(found, 1 / facts.rate)
 
 
@@ -125,6 +130,16 @@ def _holes(stamps: list[int], facts: MediaFacts) -> list[tuple[Fraction, Fractio
     wide = np.flatnonzero(steps > max(_HOLE_S / float(facts.tick_s), _HOLE_STEPS * widest))
     ends = [(int(shown[i]) + usual, int(shown[i + 1])) for i in wide]
     return [(_own_time(start, facts), _own_time(stop, facts)) for start, stop in ends]
+
+
+def _ends_inside_a_packet(path: Path) -> bool:
+    """Whether a transport stream was cut short: it promises no end, but its packets are of one length."""
+    with path.open("rb") as stream:
+        head = stream.read(_M2TS_HEAD + _M2TS_PACKET + 1)
+    for length, at in ((_TS_PACKET, 0), (_M2TS_PACKET, _M2TS_HEAD)):
+        if head[at : at + 1] == head[at + length : at + length + 1] == _TS_SYNC:
+            return path.stat().st_size % length != 0
+    return False
 
 
 def _merged(found: Iterable[Damage], step_s: Fraction) -> tuple[Damage, ...]:

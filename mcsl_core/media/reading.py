@@ -201,7 +201,9 @@ class VideoReader:
             at = int(np.searchsorted(keys, target))
             target = min(keys[max(0, at - 1) : at + 1], key=lambda stamp: abs(stamp - target))
         else:
-            target += int(Fraction(self.facts.keyframe_interval_s) / 2 / tick)
+            half = int(Fraction(self.facts.keyframe_interval_s) / 2 / tick)
+            # Transport streams are sought to any picture, and the keyframe is the first after it.
+            target += -half if "mpeg" in self._container.format.name else half
         try:
             frames = self._keyframe_and_next(target)
         except FFmpegError as error:

@@ -22,6 +22,7 @@ from .discovery import SUFFIXES, discover, look_like_parts
 from .footage import Footage
 from .joining import describe_joins, joined
 
+_EARLY_S = 10  # operators stop recorders one after another; who ends earlier by more is told
 _LOST_S = 1  # so much of another camera may lie outside the reference camera's recording
 
 
@@ -159,6 +160,12 @@ def programme_length(footage: Footage, reference: str, progress: Progress) -> in
             f"{reference}, the reference camera, ends at {format_time(own_s)}; the programme goes on with others until "
             f"{format_time(seconds)}, where {last} ends. Its sound is {reference}'s unless another's is chosen"
         )
+    for name, end_s in ends.items():
+        if name != reference and end_s < float(seconds) - _EARLY_S:
+            progress.note(
+                f"{name} ends at {format_time(end_s)}, {float(seconds) - end_s:.0f} s before the programme; if its "
+                "recorder ran on, its last file may be cut short, or another is missing"
+            )
     if seconds > LONGEST_S or seconds * footage.rate > MOST_FRAMES:  # told now, not when the EDL is made at the end
         raise InputError(
             f"lasts until {float(seconds):.6g} s, at most {LONGEST_S // 3600} hours ({MOST_FRAMES} frames) are taken",

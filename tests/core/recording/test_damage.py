@@ -226,6 +226,20 @@ def test_a_matroska_file_cut_short_has_no_cues_and_is_told(tmp_path):
     assert all(frame == number for frame, number in seen.items())
 
 
+@pytest.mark.parametrize("name", ["a.ts", "a.m2ts"])
+def test_a_transport_stream_cut_short_inside_a_packet_is_told(tmp_path, name):
+    """It promises no end; copying stops at a sector of the disk, not at a packet of the stream."""
+    path = write_film(tmp_path, name)
+    assert find_damage(probe(path)) == ()
+    path.write_bytes(path.read_bytes()[: path.stat().st_size * 6 // 10 // 4096 * 4096 + 512])
+    notes = Notes()
+    footage = footage_of_file(path, gaps=None, notes=notes)
+    assert any("cut short" in note and name in note for note in notes.notes)
+    seen = shown(footage)
+    assert len(seen) > 100
+    assert all(frame == number for frame, number in seen.items())
+
+
 def test_an_avi_with_sound_and_dropped_pictures_keeps_its_times_behind_damage(tmp_path):
     """Its pictures bear no times, and what is lost was not counted: the index says where they belong."""
     tone = 0.3 * np.sin(2 * np.pi * 440 * np.arange(10 * 48000) / 48000)

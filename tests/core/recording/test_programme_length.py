@@ -59,3 +59,12 @@ def test_a_clock_that_leads_to_days_is_refused_before_any_work(tmp_path):
     both = footage(tmp_path, ("a", 40, Clock()), ("b", 40, Clock(offset_s=200_000.0)))
     with pytest.raises(InputError, match=r"camera b: lasts until 200001 s, at most 48 hours"):
         programme_length(both, "a", Notes())
+
+
+def test_a_camera_that_ends_much_earlier_than_the_programme_is_told(tmp_path):
+    """Where a file promises no end, only the other cameras tell that some of it, or a whole file, is missing."""
+    progress = Notes()
+    three = footage(tmp_path, ("a", 400, Clock()), ("b", 30, Clock()), ("c", 150, Clock()))
+    assert programme_length(three, "a", progress) == 400
+    (note,) = progress.notes  # c ends 8 s before: recorders are stopped one after another
+    assert note.startswith("b ends at 0:00:01.0, 12 s before the programme")
