@@ -67,7 +67,7 @@ class Kind:
 KINDS: Mapping[str, Kind] = {
     "plain": Kind(()),
     **{name: Kind((name,)) for name in FAMILIES},
-    "suturing": Kind(("limb", "resting-hand", "red-straps", "glare", "defocus", "exposure")),
+    "suturing": Kind(("limb", "smooth-skin", "resting-hand", "red-straps", "glare", "defocus", "exposure")),
     "short-poses": Kind(("quick-heads",), {"movements": SHORT_POSES}),
     "hueless": Kind(("near-black-skin", "brown-drape", "monotone-drape")),
 }

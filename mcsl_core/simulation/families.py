@@ -30,6 +30,8 @@ class Traits:
         Whether red straps lie about the field.
     plain : bool
         Whether the drapes are of one colour without folds, threads or things upon them.
+    smooth : float
+        How much of the skin's and the cloth's fine texture is missing, 0..1.
     floor : bool
         Whether the table is narrow and the floor, 0.85 m below, is seen beside it.
     glare : float
@@ -53,6 +55,7 @@ class Traits:
     narrow: float = 1.0
     straps: bool = False
     plain: bool = False
+    smooth: float = 0.0
     floor: bool = False
     glare: float = 0.0
     exposure: float = 0.0
@@ -87,6 +90,7 @@ FAMILIES: Mapping[str, Family] = {
     "limb": Family("a limb with steep sides and a sutured incision", {"limb": True}, {"relief_mm": 48.0}),
     "narrow-field": Family("a field of half the size in a large drape", {"narrow": 0.5}),
     "red-straps": Family("red straps and tan gloves, in the skin's hue", {"straps": True}, {"gloves": "tan"}),
+    "smooth-skin": Family("skin and cloth with little texture to match", {"smooth": 0.85}),
     "blown-drape": Family("white drapes blown out", settings={"drape": "blown"}),
     "brown-drape": Family("brown drapes, in the skin's hue", settings={"drape": "brown"}),
     "near-black-skin": Family("skin nearly black", settings={"skin": "near-black"}),

@@ -81,6 +81,8 @@ class Ground:
             colour *= cloth_detail(scenario, pitch, colour.shape)
             detailed = tissue.colour * tissue_detail(scenario, pitch, tissue.colour.shape)
             tissue = attrs.evolve(tissue, colour=detailed)
+        if traits.smooth:
+            colour, bump, tissue = smoothed(traits.smooth, pitch, colour, bump, tissue)
         bump[cut] = bump[cut] * (1 - tissue.opening) + tissue.bump_mm * tissue.opening
         normal = normals(coarse + bump, pitch)
         light = lighting(coarse, normal, grid)
@@ -108,6 +110,23 @@ class Ground:
         gauze_in_field(self.scenario, lit, self.surface.site, self.pitch_mm, -FIELD_HALF_MM)
         lit = mix(self.cloth, lit, self.tissue.opening)
         return to_uint8(lit * self.layer[..., 3:] + self.layer[..., :3])
+
+
+def smoothed(
+    share: float, pitch: float, colour: NDArray, bump: NDArray, tissue: Tissue
+) -> tuple[NDArray, NDArray, Tissue]:
+    """Colour and fine relief of cloth, and the tissue, with that share of the texture of cloth and skin gone."""
+    sigma = 5 / pitch
+    cloth = mix(colour, cv2.GaussianBlur(colour, (0, 0), sigma), share)
+    plain = cv2.GaussianBlur(tissue.colour, (0, 0), sigma)
+    # What is wet, the wound, keeps its own.
+    skin = share * (1 - np.clip((cv2.GaussianBlur(tissue.wet, (0, 0), 1.5 / pitch) - 0.4) / 0.3, 0, 1))
+    calm = tissue.bump_mm + skin * (cv2.GaussianBlur(tissue.bump_mm, (0, 0), sigma) - tissue.bump_mm)
+    return (
+        cloth,
+        bump + share * (cv2.GaussianBlur(bump, (0, 0), sigma) - bump),
+        attrs.evolve(tissue, colour=mix(tissue.colour, plain, skin), bump_mm=calm.astype(np.float32)),
+    )
 
 
 def lighting(height: NDArray, normal: NDArray, grid: Grid) -> NDArray:

@@ -19,7 +19,7 @@ from mcsl_core.progress import Silent
 from mcsl_core.simulation import FAMILIES, Scenario, load_truth, photograph, simulate, true_field
 from mcsl_core.simulation.clocks import clocks
 from mcsl_core.simulation.floor import DEPTH_MM, Floor
-from mcsl_core.simulation.ground import Ground
+from mcsl_core.simulation.ground import FIELD_HALF_MM, Ground
 from mcsl_core.simulation.layers import Picture
 from mcsl_core.simulation.optics import Optics, defocused
 from mcsl_core.simulation.render import CameraPictures
@@ -358,3 +358,19 @@ def test_the_page_about_them_names_each():
     page = (Path(__file__).parents[3] / "docs/how-to/simulate.md").read_text("utf-8")
     rows = [line.split("|")[1].strip(" `") for line in page.splitlines() if line.startswith("| `")]
     assert rows == list(FAMILIES)
+
+
+def test_smooth_skin_has_little_texture_and_the_wound_keeps_its_own():
+    (scene, painted), (_, smooth) = staged(size=(640, 360)), staged(families=("smooth-skin",), size=(640, 360))
+    side = painted.tissue.wet.shape[0]
+    line = np.linspace(-FIELD_HALF_MM, FIELD_HALF_MM, side)
+    x, y = np.meshgrid(line, line)
+    depth, bare = scene.surface.site.wound(x, y), scene.surface.site.opening(x, y) > 4
+
+    def detail(ground: Ground, where: np.ndarray) -> float:
+        grey = cv2.cvtColor(ground.tissue.colour.astype(np.float32), cv2.COLOR_BGR2GRAY)
+        return float(np.abs(cv2.Laplacian(grey, cv2.CV_32F))[where].mean())
+
+    skin, wound = (depth < -0.4) & bare, depth > 0.3
+    assert detail(smooth, skin) < 0.35 * detail(painted, skin)
+    assert detail(smooth, wound) > 0.8 * detail(painted, wound)
