@@ -73,7 +73,7 @@ def run_demo(folder: Path, *, seed: int, blender: str | None, force: bool = Fals
 def _is_free(folder: Path) -> bool:
     """Whether nothing lies there but what a demo leaves that was stopped while it simulated: an empty recording."""
     inside = list(folder.iterdir()) if folder.exists() else []
-    return all(p.name == "recording" and p.is_dir() and not any(p.iterdir()) for p in inside)
+    return all(p.name == "recording" and p.is_dir() and all(q.name[0] == "." for q in p.iterdir()) for p in inside)
 
 
 def alignment_errors(truth: Truth, made: Edl) -> list[dict[str, Any]]:

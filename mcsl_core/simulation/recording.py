@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import re
+import shutil
 import threading
+from collections.abc import Iterator
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsl_core.errors import Cancelled, writing
+from mcsl_core.errors import Cancelled, InputError, McslError
 from mcsl_core.imaging.planes import Planes
-from mcsl_core.outputs.claim import Output, claim, claim_folder
+from mcsl_core.outputs import locks
+from mcsl_core.outputs.claim import claim, claim_folder
 from mcsl_core.outputs.manifest import Manifest
 from mcsl_core.progress import Progress
+from mcsl_core.temporary import temporary_beside
 
 from .clocks import Clock, clocks, frame_counts
 from .ground import Ground
@@ -24,6 +30,8 @@ from .scene import Scene
 from .schedule import movement_frames
 from .sound import RATE, Microphone, Room
 from .truth import ARRAYS, PoseTruth, Truth, fit_homography, own_frame, rms_distance, save_truth, transfer
+
+_FILM = re.compile(r"cam\d+(_\d+)?\.\w+")  # of this many cameras or of more
 
 
 def simulate(
@@ -36,8 +44,8 @@ def simulate(
     scenario
         What is to be filmed.
     out
-        The folder for cam1.mp4, cam2.mp4, ... and truth.json with truth.npz; made if need be. Files of an earlier
-        simulation there are replaced, others are not.
+        The folder for cam1.mp4, cam2.mp4, ... and truth.json with truth.npz; made if need be. An earlier simulation
+        there is replaced when this one is whole, all of it; other files are not.
     progress
         Told of the frames.
     recorder
@@ -65,39 +73,71 @@ def simulate(
     """
     out, recorder = Path(out), recorder or Recorder()
     recorder.check(scenario)
-    document, arrays = _claimed(scenario, out, force)
+    claim_folder(out)
+    with _told(out):
+        out.mkdir(parents=True, exist_ok=True)
+    with locks.alone(out / "truth.json", "simulation"):
+        _check(scenario, out, force)
+        part = temporary_beside(out / "truth.json")
+        try:
+            with _told(out):
+                part.mkdir()
+            truth = _filmed(scenario, part, recorder, progress)
+            with _told(out):
+                _put(part, out)
+        except McslError as error:  # names the files as they would have been called
+            error.where = error.where.replace(str(part), str(out))
+            raise
+        finally:
+            shutil.rmtree(part, ignore_errors=True)
+    return truth
+
+
+@contextmanager
+def _told(out: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        remedy = "Choose another folder"
+        raise InputError(f"cannot be written to ({error.strerror})", where=str(out), remedy=remedy) from error
+
+
+def _check(scenario: Scenario, out: Path, force: bool) -> None:
+    """InputError where one of the files to be written into ``out`` is there and was not simulated."""
+    films = [path for name in scenario.camera_names for path in (*out.glob(f"{name}.*"), *out.glob(f"{name}_*"))]
+    for path in (*films, out / "truth.json", out / ARRAYS):
+        claim(path, manifest=Manifest.inside(out), force=force)
+
+
+def _filmed(scenario: Scenario, out: Path, recorder: Recorder, progress: Progress) -> Truth:
+    """All files of a recording, into an empty folder."""
     progress.stage("scene")
     scene = Scene.of(scenario)
     ground = Ground.of(scenario, scene.surface, scene.rig)
     room = Room(scenario) if scenario.audio else None
     counts, times = frame_counts(scenario), clocks(scenario)
-    with writing(out):
-        out.mkdir(parents=True, exist_ok=True)
-        (out / "truth.json").unlink(missing_ok=True)
     progress.stage("film", sum(counts), "frames")
     visible = Filming(scene, ground, room, recorder, out).run(progress)
     truth = _truth(scene, recorder, times, counts, visible)
-    Manifest.inside(out).record(*_films(scenario, out))
-    with document.writing() as document_part, arrays.writing() as arrays_part:  # where the JSON is, all else is
-        save_truth(truth, document_part, arrays_part)
+    save_truth(truth, out / "truth.json", out / ARRAYS)
     return truth
 
 
-def _claimed(scenario: Scenario, out: Path, force: bool) -> tuple[Output, Output]:
-    """The truth's files; InputError where one of those to be written into ``out`` is there and was not simulated."""
-    claim_folder(out)
+def _put(part: Path, out: Path) -> None:
+    """The files of a recording take their places, and those of an earlier one there go: never a mixture of both.
+
+    The truth goes first and comes last: where it is, all else is.
+    """
     manifest = Manifest.inside(out)
-    for film in _films(scenario, out):
-        claim(film, manifest=manifest, force=force)
-    return (
-        claim(out / "truth.json", manifest=manifest, force=force),
-        claim(out / ARRAYS, manifest=manifest, force=force),
-    )
-
-
-def _films(scenario: Scenario, out: Path) -> list[Path]:
-    """The files in ``out`` that are called as the cameras' are, whole or in parts."""
-    return [path for name in scenario.camera_names for path in (*out.glob(f"{name}.*"), *out.glob(f"{name}_*"))]
+    (out / "truth.json").unlink(missing_ok=True)
+    earlier = [out / name for name in manifest.names() if _FILM.fullmatch(name) and manifest.knows(out / name)]
+    new = sorted(part.iterdir(), key=lambda file: file.name == "truth.json")
+    for file in new:
+        manifest.expect(out / file.name, file)
+        file.replace(out / file.name)
+    for path in set(earlier) - {out / file.name for file in new}:
+        path.unlink()
+    manifest.record(*(out / file.name for file in new))
 
 
 class Filming:
@@ -129,8 +169,6 @@ class Filming:
                 if not finished:
                     self._stop.set()
                     wait(jobs)
-                    for file in self._files:
-                        file.unlink(missing_ok=True)
         return [job.result() for job in jobs]
 
     def _camera(self, camera: int) -> NDArray:
