@@ -5,7 +5,7 @@ of any changed byte, in every codec.
 
 References
 ----------
-RFC 8794 (EBML), sections 4 to 6 and 11.3.1; RFC 9559 (Matroska), section 5.1.3.
+RFC 8794 (EBML), section 11.3.1; RFC 9559 (Matroska), section 5.1.3.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import BinaryIO
 
+from .ebml import read_number
 from .opening import open_file
 
 _SEGMENT, _CLUSTER = 0x18538067, 0x1F43B675
@@ -67,8 +68,8 @@ def _clusters(stream: BinaryIO, end: int) -> Iterator[range]:
     while 0 <= at < end:
         stream.seek(at)
         head = stream.read(12)
-        name_length, name = _number(head, marked=True)
-        size_length, size = _number(head[name_length:], marked=False)
+        name_length, name = read_number(head, marked=True)
+        size_length, size = read_number(head[name_length:], marked=False)
         begin = at + name_length + size_length
         if name == _SEGMENT and size_length:
             at = begin
@@ -80,18 +81,6 @@ def _clusters(stream: BinaryIO, end: int) -> Iterator[range]:
             if name == _CLUSTER and size > 6:
                 yield range(begin, begin + size)
             at = begin + size
-
-
-def _number(data: bytes, *, marked: bool) -> tuple[int, int]:
-    """How many bytes EBML's number at the beginning of ``data`` takes, and the number; 0 bytes where there is none.
-
-    The first byte says by its leading zeros how many: ``marked`` keeps that bit, as the names of elements do.
-    """
-    length = 9 - data[0].bit_length() if data else 0
-    if not 0 < length <= min(8, len(data)):
-        return 0, 0
-    value = int.from_bytes(data[:length], "big")
-    return length, value if marked else value & ((1 << 7 * length) - 1)
 
 
 def _next_cluster(stream: BinaryIO, at: int) -> int:

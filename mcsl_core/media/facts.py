@@ -75,6 +75,9 @@ class MediaFacts:
         Whether the coded picture is mirrored, left to right, before it is turned.
     colour
         What its colours are where they have to be converted to BT.709, such as "hlg"; else empty.
+    asked_size
+        (width, height) of the coded picture that the container asks players to show; None for all of it. It is shown
+        whole.
     strict
         Whether a decoder that refuses what breaks its codec's rules takes its first pictures (`decoders`).
 
@@ -109,6 +112,7 @@ class MediaFacts:
     scan: Scan = "unflagged"
     mirrored: bool = False
     colour: str = ""
+    asked_size: tuple[int, int] | None = None
     strict: bool = True
 
     @property

@@ -20,6 +20,7 @@ from mcsl_core.timing import parse_time
 
 from .boxes import refuse_second_film
 from .colours import colour_note, refuse_colours
+from .crops import asked_size
 from .decoders import takes_strictly
 from .facts import MediaFacts, displayed_size, is_variable
 from .opening import main_video, open_file, refuse_raw, time_origin_of, timestamp_of
@@ -116,7 +117,6 @@ def probe(path: str | Path) -> MediaFacts:
     rate = frame_rate(stamps, tick, header.declared_rate)
     end = header.promised_end_s if packets.truncated else None
     end = end or packets.end_s or header.promised_end_s or header.start_s + len(stamps) / rate
-    frames = round((end - header.start_s) * rate) if packets.frames is None else packets.frames
     return MediaFacts(
         path=path,
         size=displayed_size(header.coded_size, header.sample_aspect, header.rotation),
@@ -124,7 +124,7 @@ def probe(path: str | Path) -> MediaFacts:
         rotation=header.rotation,
         sample_aspect=header.sample_aspect,
         rate=rate,
-        frames=max(1, frames),
+        frames=max(1, round((end - header.start_s) * rate) if packets.frames is None else packets.frames),
         zero_s=header.zero_s,
         start_s=header.start_s,
         end_s=end,
@@ -142,6 +142,7 @@ def probe(path: str | Path) -> MediaFacts:
         scan=scan_of(path, rate),
         mirrored=header.mirrored,
         colour=header.colour,
+        asked_size=asked_size(path, header.form, header.coded_size),
         strict=takes_strictly(path),
     )
 

@@ -67,7 +67,7 @@ def open_cameras(recording: Sequence[Path], base: Path, progress: Progress) -> t
         media = tuple(
             Media(relative_path(path, base), fact.frames, next(keys)) for path, fact in zip(files, known, strict=True)
         )
-        for note in _describe_files(name, known):
+        for note in (*_describe_files(name, known), *_describe_crops(name, known)):
             progress.note(note)
         try:
             cameras.append(Camera(name, media, known[0].size, known[0].rate))
@@ -113,6 +113,16 @@ def _describe_files(name: str, files: Sequence[MediaFacts]) -> list[str]:
         names = ", ".join(f.path.name for f in order)
         notes.append(f"{name}: by their clock the files follow each other as {names}; their names were followed")
     return notes + describe_joins(name, joined(files))
+
+
+def _describe_crops(name: str, files: Sequence[MediaFacts]) -> list[str]:
+    """What players cut off that is shown here."""
+    return [
+        f"{name}: {facts.path.name} asks players to show {'x'.join(map(str, facts.asked_size))} of its "
+        f"{'x'.join(map(str, facts.coded_size))} pixels; here all of them are shown"
+        for facts in files
+        if facts.asked_size is not None
+    ]
 
 
 def _go_on(files: Sequence[MediaFacts]) -> bool:
