@@ -79,6 +79,11 @@ def renew_sound(scene: Any, plan: StripPlan, base: Path) -> list[str]:
     return notes
 
 
+def keep_silent(scene: Any, plan: StripPlan) -> None:
+    """A timeline without sound stays so when it is brought up to date, as one does whose sound was taken out."""
+    _note_laid(scene, (FrameRange(0, plan.frames),))
+
+
 def our_sound(scene: Any, plan: StripPlan) -> list[Any]:
     """Our sound strips, inside meta strips too; one that plays a file of the editor's is his."""
     return [

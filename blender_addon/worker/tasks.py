@@ -12,6 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import attrs
 import bpy  # pyright: ignore[reportMissingImports]
 
 from mcsl_core import edl as edls
@@ -38,7 +39,7 @@ from ..sequencer.compat import use_sequencer_scene
 from ..sequencer.notices import notices
 from ..sequencer.read import read_timeline
 from ..sequencer.renew import rebuild_timeline
-from ..sequencer.sound import has_sound
+from ..sequencer.sound import has_sound, keep_silent
 from .confine import confine
 
 
@@ -46,12 +47,16 @@ def timeline(request: TimelineRequest, progress: JsonLines) -> BuiltTimeline:
     """A new .blend with the timeline of an EDL."""
     edl = edls.load(request.edl)
     plan = make_plan(edl, request.conformed, request.sound)
+    if request.silent:
+        plan = attrs.evolve(plan, sound=())
     progress.stage("timeline", None)
     bpy.ops.wm.read_homefile(app_template="Video_Editing", use_factory_startup=True)
     scene = bpy.context.scene
     scene.name = "Programme"
     use_sequencer_scene(scene)
     notes = build_timeline(scene, plan, request.edl.parent)
+    if request.silent:
+        keep_silent(scene, plan)
     output.apply(scene, request.preset, "//" + request.output, sound=has_sound(scene))
     return _finished(scene, edl, plan, request, notes, progress)
 

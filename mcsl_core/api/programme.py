@@ -350,15 +350,15 @@ class Programme:
         *,
         preset: str | Path = "h264",
         conformed: str | Path | None = None,
+        audio: str | None = None,
         blender: str | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> BuiltTimeline:
         """Builds the Blender timeline ``out`` (.blend) of the saved EDL; see `blender.timeline.build_timeline`."""
         self._check_saved()
-        folder = None if conformed is None else Path(conformed)
-        how: dict[str, Any] = {"blender": blenders.find(blender), "preset": preset, "conformed": folder, "force": force}
-        return build_timeline(self.path, Path(out), **how, progress=progress)
+        how: dict[str, Any] = {"preset": preset, "conformed": conformed, "audio": audio, "force": force}
+        return build_timeline(self.path, Path(out), blender=blenders.find(blender), **how, progress=progress)
 
     def report(
         self,

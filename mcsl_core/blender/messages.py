@@ -100,6 +100,7 @@ class TimelineRequest(_FromEdl):
 
     preset: Preset = field(metadata=doc("the output settings it is given"))
     output: str = field(metadata=doc("name of the video, beside the timeline"))
+    silent: bool = field(default=False, metadata=doc("no sound at all, whatever `sound` says", optional=True))
 
 
 @frozen

@@ -180,7 +180,8 @@ def _through_a_timeline(
     with temporary_folder("render") as temporary:
         blend = temporary.resolve() / "programme.blend"
         video = {"preset": how.delivery, "output": f"{blend.stem}.{how.delivery.container}"}
-        run_task(blender, TimelineRequest(blend=blend, **video, **media), progress)
+        silent = media["sound"] is None  # not the reference's own, where another's was asked for
+        run_task(blender, TimelineRequest(blend=blend, silent=silent, **video, **media), progress)
         _in_blender(blend, out, how, blender, progress)
 
 
@@ -195,7 +196,7 @@ def _in_blender(blend: Path, out: Path, how: RenderSettings, blender: Blender, p
 
 
 def _conformed(edl: Edl, edl_path: Path, how: RenderSettings, progress: Progress, audio: str | None) -> dict[str, Any]:
-    """The exact pictures and the sound, as requests take them."""
+    """The exact pictures and the sound, as requests take them; no sound means silence, not the reference's own."""
     programme = ProgrammeSource(edl, edl_path.parent, filler_of(edl, progress), audio)
     done = conform(programme, default_folder(edl_path), jobs=how.jobs, quality=how.quality, progress=progress)
     return {

@@ -7,12 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import attrs
+from attrs import field, frozen
 
 from mcsl_core import edl as edls
 from mcsl_core.delivery.audio import sound_key
 from mcsl_core.delivery.chunk_keys import Chunk, chunks_present, media_fingerprints
 from mcsl_core.delivery.conform import default_folder
 from mcsl_core.delivery.presets import Preset, preset_of
+from mcsl_core.delivery.source import NO_SOUND
 from mcsl_core.edl import Edl
 from mcsl_core.edl.edits import rebased
 from mcsl_core.errors import InputError, UsageError
@@ -27,19 +29,50 @@ from mcsl_core.progress import Progress, Silent
 from .child import run_task
 from .installation import Blender
 from .messages import BuiltTimeline, ConformedPiece, ReadDecisions, ReadRequest, TimelineRequest
+from .preview import preview_notes
 
 _TRIES = 3  # how often a timeline is read whose EDL others write meanwhile
 
 
+@frozen(kw_only=True)
+class TimelineSettings:
+    """How a timeline is built.
+
+    Parameters
+    ----------
+    blender
+        The Blender to start.
+    preset
+        The output settings that the .blend is given: a name, the path of a preset file, or a preset.
+    conformed
+        Folder of conformed media; None takes the one beside the EDL.
+    audio
+        "none" for no sound at all; None for the reference camera's.
+    force
+        Replace a .blend that mcsl did not write, or that was changed since; it is kept as ``.blend1``.
+
+    Raises
+    ------
+    UsageError
+        There is no such preset, or ``audio`` is a camera.
+    """
+
+    blender: Blender
+    preset: Preset = field(factory=lambda: preset_of("h264"), converter=preset_of)
+    conformed: Path | None = field(default=None, converter=attrs.converters.optional(Path))
+    audio: str | None = None
+    force: bool = False
+
+    def __attrs_post_init__(self) -> None:
+        if self.audio not in (None, NO_SOUND):
+            raise UsageError(
+                f"a timeline has the reference camera's sound or {NO_SOUND}, not that of {self.audio!r}",
+                remedy="Lay that camera's file beside it in Blender, or render with --audio",
+            )
+
+
 def build_timeline(
-    edl_path: Path,
-    blend_path: Path,
-    *,
-    blender: Blender,
-    preset: str | Path | Preset = "h264",
-    conformed: Path | None = None,
-    force: bool = False,
-    progress: Progress | None = None,
+    edl_path: Path, blend_path: Path, *, progress: Progress | None = None, **settings: Any
 ) -> BuiltTimeline:
     """Builds the timeline of an EDL; the .blend is replaced whole or not at all.
 
@@ -52,44 +85,42 @@ def build_timeline(
     ----------
     edl_path, blend_path
         The EDL, and the .blend to write.
-    blender
-        The Blender to start.
-    preset
-        The output settings that the .blend is given: a name, the path of a preset file, or a preset.
-    conformed
-        Folder of conformed media; None takes the one beside the EDL.
-    force
-        Replace a .blend that mcsl did not write, or that was changed since; it is kept as ``.blend1``.
     progress
         Where the work reports to.
+    **settings
+        The fields of `TimelineSettings`.
 
     Raises
     ------
-    InputError
-        The EDL is wrong, media are missing, or the .blend may not be written over.
+    UsageError, InputError
+        A setting or the EDL is wrong, media are missing, or the .blend may not be written over.
     BlenderError
         Blender failed.
     """
+    progress, how = progress or Silent(), TimelineSettings(**settings)
     edl = edls.load(edl_path)
     _check_blend_name(blend_path)
-    inputs = [*inputs_of(edl, edl_path), *([] if isinstance(preset, Preset) else [Path(preset)])]
-    output = claim(blend_path, inputs=inputs, manifest=Manifest.beside(edl_path), force=force)
-    folder = conformed if conformed is not None else default_folder(edl_path)
-    if conformed is not None and not folder.is_dir():
+    given = settings.get("preset")
+    inputs = [*inputs_of(edl, edl_path), *([Path(given)] if isinstance(given, (str, Path)) else [])]
+    output = claim(blend_path, inputs=inputs, manifest=Manifest.beside(edl_path), force=how.force)
+    folder = how.conformed or default_folder(edl_path)
+    if how.conformed is not None and not folder.is_dir():
         raise InputError("is not a folder", where=str(folder), remedy="Make it with `mcsl conform`")
     pieces, sound = in_place(edl, edl_path.parent, folder)
-    kind = preset_of(preset)
     with output.writing() as part:
         request = TimelineRequest(
             edl=edl_path.resolve(),
             blend=part,
             conformed=pieces,
             sound=sound,
-            preset=kind,
-            output=f"{blend_path.stem}.{kind.container}",
+            preset=how.preset,
+            output=f"{blend_path.stem}.{how.preset.container}",
+            silent=how.audio == NO_SOUND,
         )
-        built = run_task(blender, request, progress)
+        built = run_task(how.blender, request, progress)
         output.keep_backup()
+    for note in preview_notes(edl, edl_path.parent):
+        progress.note(note)
     return attrs.evolve(built, blend=blend_path.resolve())
 
 

@@ -18,6 +18,7 @@ from mcsl_core.cli.output import Session
 @click.option("-o", "--out", type=PATH, required=True, help="The .blend file.")
 @click.option("--preset", default="h264", show_default=True, help="Render settings the file is given.")
 @click.option("--conformed", type=PATH, help="Folder of conformed media (default: beside the EDL, where present).")
+@click.option("--audio", type=click.Choice(["none"]), help="No sound at all (default: the reference camera's).")
 @click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
 @FORCE
 @allow_outside

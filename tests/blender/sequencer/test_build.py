@@ -7,7 +7,8 @@ import shutil
 import attrs
 import av
 import pytest
-from blender_recording import FRAMES, LIGHT, R, an_edl, in_blender
+from blender_recording import FRAMES, LIGHT, SIZE, R, an_edl, in_blender
+from interlaced_video import write_interlaced
 from notes import Notes
 
 from mcsl_core import edl as edls
@@ -224,3 +225,11 @@ def test_a_mirrored_camera_file_is_told(project, blender):
     told = [note for note in progress.notes if "mirrored for display" in note]
     assert len(told) == 1
     assert told[0].startswith("cam2: cam2.mp4")
+
+
+def test_an_interlaced_camera_file_is_told(project, blender):
+    (project / "cam2.mp4").unlink()
+    write_interlaced(project / "cam2.mp4", FRAMES - 3, size=SIZE)
+    progress = Notes()
+    build_timeline(project / "edl.json", project / "edit.blend", blender=blender, progress=progress)
+    assert [note for note in progress.notes if note.startswith("cam2: cam2.mp4: interlaced")]

@@ -93,6 +93,14 @@ def test_no_sound_leaves_the_house_and_the_timeline_keeps_its_own(built, blender
 
 
 @pytest.mark.parametrize("engine", ["blender", "direct"])
+def test_a_camera_without_sound_gives_none_and_not_the_references(project, blender, engine):
+    out = project / "out.mp4"
+    render(project / "edl.json", out, preset="review", blender=blender, engine=engine, audio="cam3")
+    with av.open(str(out)) as container:
+        assert [stream.type for stream in container.streams] == ["video"]
+
+
+@pytest.mark.parametrize("engine", ["blender", "direct"])
 def test_a_size_that_halves_to_an_odd_number(project, blender, engine):
     edls.save(an_edl(size=(322, 182)), project / "edl.json")
     render(project / "edl.json", project / "out.mp4", preset="review", engine=engine, blender=blender)
