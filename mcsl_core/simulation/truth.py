@@ -88,10 +88,10 @@ class Truth:
     visible_field
         (frames, cameras), 0..1: the fraction of the field's surface (counted on `Surface.visibility_points_mm`) that
         lies inside that camera's picture and is occluded by nothing drawn above it: heads, shoulders, reaching arms,
-        hands at work and their instruments. 0 for a camera without picture at that time. A camera shows its latest
-        frame.
+        hands at work and at rest and their instruments. 0 for a camera without picture at that time. A camera shows its
+        latest frame.
     visible_field_without_hands
-        The same, with the hands at work left out: what heads, shoulders and reaching arms alone leave visible.
+        The same, with those hands left out: what heads, shoulders and reaching arms alone leave visible.
     best_plane_error_px
         Per pose, camera -> `best_plane_error`.
     """

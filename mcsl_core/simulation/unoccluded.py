@@ -21,7 +21,8 @@ class UnoccludedScene:
     """Pictures of all that lies still, from where the reference camera stands in the first pose.
 
     The image plane goes on beyond that camera's picture; colours and darker corners are that camera's; no heads, no
-    hands, no grain. So it is the truth of a programme in the first pose's perspective, however far that is shifted.
+    hands, no grain, a lens without distortion, exposure and white balance as they should be. So it is the truth of a
+    programme in the first pose's perspective, however far that is shifted.
     """
 
     def __init__(self, scenario: Scenario) -> None:
