@@ -22,7 +22,7 @@ _OPTIONS = {
 
 def write_film(folder: Path, name: str, codec: str = "libx264", frames: int = FRAMES, **settings) -> Path:
     """Ten seconds at 30 frames a second, a keyframe a second, coded so finely that damage fits in."""
-    settings.setdefault("options", _OPTIONS[codec])
+    settings.setdefault("options", _OPTIONS.get(codec))
     return write_coded(folder / name, range(frames), codec=codec, gop=GOP, **settings)
 
 
