@@ -17,7 +17,8 @@ T = TypeVar("T")
 LEAST_RATE, MOST_RATE = Fraction(1, 100), 1000  # frames per second: a picture each 100 s, a high-speed camera
 RATE_PATTERN = r"[0-9]{1,9}(/[0-9]{1,9}|\.[0-9]{1,9})?"
 
-TIME_PATTERN = r"([0-9]{1,9}:){0,2}([0-9]{1,15}([.,][0-9]{0,15})?|[.,][0-9]{1,15})"
+# A float that a program writes has up to 17 decimals, and more where it is small.
+TIME_PATTERN = r"([0-9]{1,9}:){0,2}([0-9]{1,15}([.,][0-9]{0,30})?|[.,][0-9]{1,30})"
 
 
 def parse_rate(text: str) -> Fraction:

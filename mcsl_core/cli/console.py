@@ -102,7 +102,7 @@ class Lines:
 
     def stage(self, name: str, total: int | None = None, unit: str = "") -> None:
         self.token.check()
-        size = f" ({total} {unit})" if total else ""
+        size = f" ({total} {unit})" if total and total > 1 else ""  # units are in the plural
         self.write(f"{time.monotonic() - self._began:7.1f} s  {name}{size}")
 
     def advance(self, done: int) -> None:

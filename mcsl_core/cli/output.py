@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import sys
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 from rich.console import Console
@@ -16,6 +17,12 @@ from mcsl_core.errors import UsageError
 from mcsl_core.progress import JsonLines, Progress
 
 MODES = ("auto", "bar", "lines", "json", "none")
+
+
+def file_size(path: Path) -> str:
+    """How large a file is, for a person."""
+    size = path.stat().st_size
+    return f"{size / 1e6:.1f} MB" if size >= 1e5 else f"{size / 1e3:.1f} kB"
 
 
 class Session:

@@ -127,9 +127,11 @@ def _overrides(edl: Edl) -> Tile:
 
 
 def _verdict(edl: Edl, shown: float | None, best: float | None, weak: list[str]) -> str:
-    text = f"{short_time(_seconds(edl))} from {len(edl.cameras)} cameras, in the perspective of {edl.reference}."
+    cameras = f"{len(edl.cameras)} {_plural(len(edl.cameras), 'camera')}"
+    text = f"{short_time(_seconds(edl))} from {cameras}, in the perspective of {edl.reference}."
     if shown is not None and best is not None:
-        text += f" The views shown leave {shown:.0%} of the surgical field free; the best at any time would {best:.0%}."
+        text += f" The views shown leave {shown:.0%} of the surgical field free;"
+        text += f" the best one at every moment would leave {best:.0%}."
     if weak:
         text += f" Check {', '.join(weak)}: not tied to the other views everywhere."
     changes = sum(a.perspective != b.perspective for a, b in zip(edl.poses, edl.poses[1:], strict=False))

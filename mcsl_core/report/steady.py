@@ -69,6 +69,6 @@ def _steady_words(rows: Mapping[str, Measured], width: int) -> str:
         if no is not None and auto is not None:
             return (
                 f"At a switch the {what} jumps by {auto:.1f} pixels of {width} on average; "
-                f"without alignment it would by {no:.0f}."
+                f"without alignment it would jump by {no:.0f}."
             )
     return ""

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from mcsl_core.cli.options import FORCE, PATH, allow_outside, audio_option
-from mcsl_core.cli.output import Session
+from mcsl_core.cli.output import Session, file_size
 
 
 @click.command()
@@ -41,4 +41,4 @@ def render(session: Session, source: Path, out: Path, **how: Any) -> None:
 
     with session.progress() as progress:
         rendering.render(source, out, **how, progress=progress)
-    session.result({"video": str(out)}, f"{out}: {out.stat().st_size / 1e6:.1f} MB")
+    session.result({"video": str(out)}, f"{out}: {file_size(out)}")

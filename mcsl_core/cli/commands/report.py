@@ -8,7 +8,7 @@ import click
 
 import mcsl_core as mcsl
 from mcsl_core.cli.options import FORCE, PATH, allow_outside
-from mcsl_core.cli.output import Session
+from mcsl_core.cli.output import Session, file_size
 
 
 @click.command()
@@ -30,4 +30,4 @@ def report(session: Session, edl: Path, out: Path, figures: Path | None, no_pict
     with session.progress() as progress:
         how["with_pictures"] = not no_pictures
         mcsl.open(edl).report(out, figures=figures, progress=progress, **how)
-    session.result({"report": str(out)}, f"{out}: {out.stat().st_size / 1e6:.1f} MB, open it in a browser")
+    session.result({"report": str(out)}, f"{out}: {file_size(out)}, open it in a browser")
