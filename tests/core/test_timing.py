@@ -78,6 +78,7 @@ def test_time_for_people(seconds, text):
         ("0:90", 90),
         (".5", Fraction(1, 2)),
         ("00:00:03.003000000", Fraction(3003, 1000)),
+        ("1.2000000000000002", Fraction(12000000000000002, 10**16)),  # as Python writes 1.1 + 0.1
     ],
 )
 def test_times_people_and_files_write(text, seconds):
