@@ -75,6 +75,8 @@ class MediaFacts:
         Whether the coded picture is mirrored, left to right, before it is turned.
     colour
         What its colours are where they have to be converted to BT.709, such as "hlg"; else empty.
+    stream_aspect
+        As ``sample_aspect``, but as the stream itself has it at its first picture; None where it does not say.
     asked_size
         (width, height) of the coded picture that the container asks players to show; None for all of it. It is shown
         whole.
@@ -112,6 +114,7 @@ class MediaFacts:
     scan: Scan = "unflagged"
     mirrored: bool = False
     colour: str = ""
+    stream_aspect: Fraction | None = None
     asked_size: tuple[int, int] | None = None
     strict: bool = True
 

@@ -59,6 +59,7 @@ class _Header:
     index: list[_IndexEntry]
     coded_size: tuple[int, int]
     sample_aspect: Fraction
+    stream_aspect: Fraction | None
     rotation: int
     mirrored: bool
     colour: str
@@ -83,6 +84,10 @@ class _Packets:
     @property
     def truncated(self) -> bool:
         return self.usable_s is not None
+
+    def span(self, tick: Fraction) -> Fraction:
+        """Seconds from the first to the last picture."""
+        return Fraction(max(self.stamps) - min(self.stamps)) * tick if len(self.stamps) > 1 else Fraction(0)
 
 
 def probe(path: str | Path) -> MediaFacts:
@@ -113,7 +118,6 @@ def probe(path: str | Path) -> MediaFacts:
     header = _read_header(path)
     packets = _from_index(path, header) if 0 < header.counted <= len(header.index) else _from_packets(path, header)
     stamps, tick = packets.stamps, header.tick
-    span = Fraction(max(stamps) - min(stamps)) * tick if len(stamps) > 1 else Fraction(0)
     rate = frame_rate(stamps, tick, header.declared_rate)
     end = header.promised_end_s if packets.truncated else None
     end = end or packets.end_s or header.promised_end_s or header.start_s + len(stamps) / rate
@@ -131,7 +135,7 @@ def probe(path: str | Path) -> MediaFacts:
         usable_s=end if packets.usable_s is None else min(packets.usable_s, end),
         tick_s=tick,
         variable_rate=is_variable(np.sort(np.array(stamps, np.float64)) * float(tick)),
-        keyframe_interval_s=float(span + 1 / rate) / max(1, packets.keyframes),
+        keyframe_interval_s=float(packets.span(tick) + 1 / rate) / max(1, packets.keyframes),
         codec=header.codec,
         pixel_format=header.pixel_format,
         audio_tracks=header.audio_tracks,
@@ -142,6 +146,7 @@ def probe(path: str | Path) -> MediaFacts:
         scan=scan_of(path, rate),
         mirrored=header.mirrored,
         colour=header.colour,
+        stream_aspect=header.stream_aspect,
         asked_size=asked_size(path, header.form, header.coded_size),
         strict=takes_strictly(path),
     )
@@ -185,6 +190,7 @@ def _read_header(path: Path) -> _Header:
             index=index,
             coded_size=(first.width, first.height),
             sample_aspect=stream.sample_aspect_ratio or Fraction(1),
+            stream_aspect=stream.codec_context.sample_aspect_ratio or None,
             rotation=rotation,
             mirrored=mirrored,
             colour=colour_note(first),

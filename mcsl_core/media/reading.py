@@ -22,7 +22,7 @@ from .whole_frames import WholeFrames
 log = logging.getLogger(__name__)
 
 _REORDERED = 32  # packets to read until the frame that is shown after a keyframe has come
-_SHAPE = 0.02  # that much wider or narrower is a coder's rounding (1088 rows for 1080)
+_SHAPE = Fraction(1, 50)  # that much wider or narrower is a coder's rounding (1088 rows for 1080)
 
 
 class VideoReader:
@@ -54,7 +54,7 @@ class VideoReader:
         self._keys: list[int] = []
         self._woven = False  # whether a keyframe was
         self.broken_key_s: Fraction | None = None  # the time of the keyframe asked for last, where it is not whole
-        self.other_shape: tuple[int, int] | None = None  # the coded size of pictures that were left out for it
+        self.other_shape = ""  # of pictures that were left out for it: their coded size, their pixels' aspect
         self._reopen()
 
     def _reopen(self) -> None:
@@ -161,8 +161,11 @@ class VideoReader:
         if frame is None:
             return True
         width, height = self.facts.coded_size
-        fits = abs(frame.width * height - width * frame.height) <= _SHAPE * width * frame.height
-        self.other_shape = self.other_shape if fits else (frame.width, frame.height)
+        first, now = self.facts.stream_aspect, self._context.sample_aspect_ratio
+        wider = Fraction(frame.width * height, width * frame.height) * (now / first if now and first else 1)
+        fits = abs(wider - 1) <= _SHAPE
+        if not fits:
+            self.other_shape = f"{frame.width}x{frame.height}" + (f", pixels {now}" if now and now != first else "")
         return fits
 
     def _keyframe_stamps(self) -> list[int]:

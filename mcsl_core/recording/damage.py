@@ -119,9 +119,11 @@ def _damage_around(footage: Footage, camera: str, frame: int) -> tuple[int, Dama
     if start_s is None:
         return None
     why = "damaged"
-    if reader.other_shape is not None:
-        other, usual = ("x".join(map(str, size)) for size in (reader.other_shape, facts.coded_size))
-        why = f"pictures of another shape ({other}, not {usual}); to use them, cut the file there into two cameras"
+    if reader.other_shape:
+        usual = "x".join(map(str, facts.coded_size))
+        why = (
+            f"pictures of another shape ({reader.other_shape}, not {usual}); to use them, cut the file into two cameras"
+        )
     return parts.index(part), Damage(start_s, stop_s or facts.usable_s, why)
 
 

@@ -28,18 +28,20 @@ CODECS = {
 }
 
 
-def film(path, sizes):
-    """Two seconds of each size in one stream, as a recorder writes whose input changes."""
-    codec, options = CODECS[path.suffix]
+def film(path, sizes, aspects=()):
+    """Two seconds of each size, or aspect of the pixels, in one stream, as a recorder writes whose input changes."""
+    codec, options = CODECS.get(path.suffix, ("mpeg2video", {"b": "4M"}))
     with av.open(str(path), "w") as container:
         stream: Any = container.add_stream(codec, rate=30)
         stream.width, stream.height, stream.pix_fmt = *sizes[0], "yuv420p"
         number = 0
-        for size in sizes:
+        for index, size in enumerate(sizes):
             encoder: Any = av.CodecContext.create(codec, "w")
             encoder.width, encoder.height, encoder.pix_fmt = *size, "yuv420p"
             encoder.time_base, encoder.framerate, encoder.gop_size = 1 / RATE, RATE, 30
             encoder.options = options
+            if aspects:
+                encoder.sample_aspect_ratio = aspects[index]
             packets = []
             for _ in range(EACH):
                 frame = av.VideoFrame.from_ndarray(coded_picture(number, size), format="bgr24")
@@ -88,3 +90,32 @@ def test_pictures_of_another_shape_are_a_gap_and_told(tmp_path, suffix):
     assert EACH - 3 <= gap.start <= EACH
     assert gap.stop == 2 * EACH
     assert [note for note in notes.notes if "another shape (320x240, not 256x144)" in note and path.name in note]
+
+
+@pytest.mark.parametrize("suffix", [".ts", ".mpg"])
+def test_pixels_of_another_aspect_are_a_gap_and_told(tmp_path, suffix):
+    """As broadcasts and DVD recorders switch between 4:3 and 16:9 at one size."""
+    aspects = [Fraction(1), Fraction(4, 3), Fraction(1)]
+    if suffix == ".mpg":  # MPEG-2 knows the picture's aspect alone
+        aspects = [Fraction(16, 9) * Fraction(144, 256), Fraction(4, 3) * Fraction(144, 256), Fraction(1)]
+    path = film(tmp_path / f"a{suffix}", [(256, 144)] * 3, aspects)
+    assert probe(path).size == (256, 144)
+    footage = footage_of(path, 3)
+    seen = numbers(footage)
+    assert {frame: number for frame, number in seen.items() if frame != number} == {}
+    last = 1  # MPEG-2's decoder holds a picture back, and tells the aspect of the next with it
+    assert not [frame for frame in seen if EACH <= frame < 2 * EACH - last]
+    assert len(seen) >= 2 * EACH - 6
+    samples = SampleStore.record(footage, tmp_path / "samples", Silent(), step_s=0.5)
+    (camera,) = with_gaps(footage, damage_met(footage, samples), Silent())
+    samples.close()
+    (gap,) = camera.gaps
+    assert EACH - 4 <= gap.start <= EACH
+    assert 2 * EACH - last <= gap.stop <= 2 * EACH + 3
+
+
+@pytest.mark.parametrize("suffix", CODECS)
+@pytest.mark.parametrize("aspect", [Fraction(1), Fraction(4, 3), Fraction(64, 45)])
+def test_one_aspect_all_along_leaves_no_gap(tmp_path, suffix, aspect):
+    footage = footage_of(film(tmp_path / f"a{suffix}", [(256, 144)] * 2, [aspect] * 2), 2)
+    assert len(numbers(footage)) >= 2 * EACH - 1
