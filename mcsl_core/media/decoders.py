@@ -10,6 +10,7 @@ none, and 13 where it is an error. Those of H.264, MPEG-1, 2 and 4, ProRes and D
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import lru_cache
 from itertools import dropwhile, islice
 from pathlib import Path
 from typing import Any
@@ -52,11 +53,18 @@ def _like(context: Any, codec: str) -> Any:
 
 
 def takes_strictly(path: Path) -> bool:
-    """Whether `strict_decoder` takes a file's pictures, as far as a few from its start and its quarters tell.
+    """Whether `strict_decoder` takes a file's pictures, as far as a few from its start and its quarters tell. Kept for
+    the run.
 
     Encoders break small rules that do a picture no harm (SVT-AV1 does at its finest and fastest); all pictures of such
     a file would be called damaged. One place that is refused among others is damage.
     """
+    state = path.stat()
+    return _takes_strictly(path, state.st_size, state.st_mtime_ns)
+
+
+@lru_cache(maxsize=1024)
+def _takes_strictly(path: Path, _size: int, _changed_ns: int) -> bool:
     with open_file(path) as container:
         stream = main_video(container, path)
         if stream.codec_context.name not in _STRICT:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from fractions import Fraction
 from typing import Any
 
@@ -9,6 +10,7 @@ import av
 import pytest
 from coded_video import coded_picture, read_number
 from notes import Notes
+from remuxed import remux
 
 from mcsl_core.edl import Camera, Media
 from mcsl_core.imaging.planes import planes_to_bgr
@@ -119,3 +121,14 @@ def test_pixels_of_another_aspect_are_a_gap_and_told(tmp_path, suffix):
 def test_one_aspect_all_along_leaves_no_gap(tmp_path, suffix, aspect):
     footage = footage_of(film(tmp_path / f"a{suffix}", [(256, 144)] * 2, [aspect] * 2), 2)
     assert len(numbers(footage)) >= 2 * EACH - 1
+
+
+def test_a_container_that_says_another_aspect_than_the_stream_leaves_no_gap(tmp_path):
+    path = film(tmp_path / "a.ts", [(256, 144)] * 2, [Fraction(4, 3)] * 2)
+    remux(path, tmp_path / "a.mp4")
+    data = (tmp_path / "a.mp4").read_bytes()
+    at = data.index(b"pasp") + 4
+    (tmp_path / "a.mp4").write_bytes(data[:at] + struct.pack(">2I", 64, 45) + data[at + 8 :])
+    facts = probe(tmp_path / "a.mp4")
+    assert (facts.sample_aspect, facts.stream_aspect) == (Fraction(64, 45), Fraction(4, 3))
+    assert len(numbers(footage_of(tmp_path / "a.mp4", 2))) >= 2 * EACH - 1
