@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import os
 from collections.abc import Mapping
 from fractions import Fraction
@@ -154,7 +156,9 @@ class VideoWriter:
             self._audio = self._add_audio() if self._audio_rate else None
             self._container.start_encoding()
         except (FFmpegError, ValueError) as error:
-            self._container.close()
+            with contextlib.suppress(OSError):
+                self._container.close()
+            self._tell_of_the_disk(error)
             raise UsageError(
                 f"cannot encode with {self.encoding.codec} as {self.encoding.pixel_format} ({error})",
                 where=str(self.path),
@@ -240,10 +244,11 @@ class VideoWriter:
                 clean.stream = stream
                 self._container.mux(clean)
         except (FFmpegError, OSError) as error:
+            self._tell_of_the_disk(error)
             raise MediaError(
                 f"writing failed after {self.frames} frames ({error})",
                 where=str(self.path),
-                remedy="Check whether the disk is full, or choose other encoder settings",
+                remedy="Choose other encoder settings",
             ) from error
 
     def __exit__(
@@ -266,11 +271,19 @@ class VideoWriter:
         try:
             self._container.close()
         except (FFmpegError, OSError) as error:
+            self._tell_of_the_disk(error)
             raise MediaError(
                 f"the file could not be finished ({error})",
                 where=str(self.path),
                 remedy="Check whether the disk is full",
             ) from error
+
+    def _tell_of_the_disk(self, error: Exception) -> None:
+        """Raises what people can do, where it is the disk's fault; FFmpeg's errors name the hidden file."""
+        number = getattr(error, "errno", None)
+        if number in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EIO):
+            with writing(self.path):
+                raise OSError(number, os.strerror(number)) from error
 
     def _rename(self) -> None:
         with self._part.open("rb+") as stream:  # a power cut must not leave a name without its content
