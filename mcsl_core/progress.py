@@ -18,6 +18,11 @@ from attrs import define, field
 from mcsl_core.errors import Cancelled
 
 
+def counted(count: int, plural: str) -> str:
+    """``"1 shot"``, ``"2 shots"``: a number with its noun, whose singular lacks the last letter."""
+    return f"{count} {plural[:-1] if count == 1 and plural.endswith('s') else plural}"
+
+
 class Progress(Protocol):
     """Where stages report to. Every method may raise `Cancelled`: the work must then leave nothing half-written."""
 

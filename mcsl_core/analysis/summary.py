@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mcsl_core import edl
+from mcsl_core.progress import counted
 from mcsl_core.timing import format_time
 
 _MOST_GAPS = 5  # of a camera that are told one by one
@@ -29,8 +30,8 @@ def describe(made: edl.Edl) -> str:
     """What was decided, in a few lines for people."""
     seconds = made.frames / made.rate
     lines = [
-        f"{len(made.cameras)} cameras, {format_time(seconds)} at {float(made.rate):.6g} frames/s, "
-        f"{len(made.shots)} shots, {len(made.overrides)} overrides"
+        f"{counted(len(made.cameras), 'cameras')}, {format_time(seconds)} at {float(made.rate):.6g} frames/s, "
+        f"{counted(len(made.shots), 'shots')}, {counted(len(made.overrides), 'overrides')}"
     ]
     for camera in made.cameras:
         if camera.gaps:

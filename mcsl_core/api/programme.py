@@ -28,7 +28,7 @@ from mcsl_core.errors import Fault, InputError, UsageError
 from mcsl_core.hooks.registry import filler_of
 from mcsl_core.imaging.planes import U8
 from mcsl_core.occlusion.score_table import ScoreTable
-from mcsl_core.progress import Progress, Silent
+from mcsl_core.progress import Progress, Silent, counted
 from mcsl_core.recording.footage import Footage, footage_of
 from mcsl_core.report.page import write_report
 from mcsl_core.timing import FrameRange, format_time
@@ -68,8 +68,9 @@ class Programme:
 
     def __repr__(self) -> str:
         edl = self._edl
-        length = f"{len(edl.cameras)} cameras, {format_time(edl.frames / edl.rate)} at {float(edl.rate):.6g} frames/s"
-        decided = f"{len(edl.shots)} shots, {len(edl.overrides)} overrides"
+        length = f"{format_time(edl.frames / edl.rate)} at {float(edl.rate):.6g} frames/s"
+        length = f"{counted(len(edl.cameras), 'cameras')}, {length}"
+        decided = f"{counted(len(edl.shots), 'shots')}, {counted(len(edl.overrides), 'overrides')}"
         return f"<Programme {self.path}: {length}, {decided}{'' if self.is_saved else ', not saved'}>"
 
     def __enter__(self) -> Programme:

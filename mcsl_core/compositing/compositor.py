@@ -15,6 +15,7 @@ from attrs import frozen
 
 from mcsl_core.edl import Edl, Look
 from mcsl_core.edl.resolve import Decision, resolve_by_pose, shift_at
+from mcsl_core.errors import DocumentError
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.protocol import Filler
 from mcsl_core.filling.provenance import ShowProvenance
@@ -49,6 +50,11 @@ class Compositor:
     parallax : Parallax, optional
         Shared by the compositors of one EDL; its own without.
 
+    Raises
+    ------
+    DocumentError
+        Where the programme's size is odd: pictures are 4:2:0.
+
     Attributes
     ----------
     stand_ins : StandIns
@@ -69,6 +75,9 @@ class Compositor:
         resampling: Resampling = "linear",
         parallax: Parallax | None = None,
     ) -> None:
+        if edl.size[0] % 2 or edl.size[1] % 2:
+            what = f"is {edl.size[0]}x{edl.size[1]}; a programme's size is even"
+            raise DocumentError(what, where="$.size of the EDL", remedy="Correct it, or analyse again")
         self.edl, self.filler = edl, filler or FootprintFiller()
         self._segments = tuple(
             (part, _with_look(decision, look), pose_index) for part, decision, pose_index in resolve_by_pose(edl)

@@ -19,8 +19,6 @@ from attrs import frozen
 from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.compositing.parallax import Parallax
 from mcsl_core.compositing.stand_ins import StandIns
-from mcsl_core.edl.dependencies import views_of
-from mcsl_core.edl.resolve import resolve_by_pose
 from mcsl_core.errors import Cancelled, UsageError
 from mcsl_core.media.fingerprint import newest_change_s
 from mcsl_core.media.writing import VideoWriter
@@ -28,6 +26,7 @@ from mcsl_core.outputs.claim import claim_folder, is_same_file
 from mcsl_core.outputs.locks import in_turn
 from mcsl_core.outputs.manifest import Manifest
 from mcsl_core.progress import Progress, Silent
+from mcsl_core.recording.changed_media import media_files, tell_of_changed_media
 from mcsl_core.recording.contents import read_contents
 from mcsl_core.recording.damage import tell_of_damage
 from mcsl_core.recording.disk_space import tell_of_space
@@ -105,12 +104,12 @@ def conform(
     if jobs < 1:
         raise UsageError(f"at least one chunk is made at a time, got {jobs}", remedy="Choose 1 or more jobs")
     manifest = _claimed(out)
-    read_contents(_files(source), progress)  # of hours it takes minutes: what follows finds it remembered
+    read_contents(media_files(source.edl, source.base), progress)  # takes minutes; then it is remembered
     chunks = plan_chunks(source.edl, source.base, filler=source.filler, quality=quality)
     out.mkdir(parents=True, exist_ok=True)
     with in_turn(manifest.path, "conform", _Waiting(progress)):
         _rename_former(source, manifest, chunks, quality)
-        _tell_of_changed_media(source, progress)
+        tell_of_changed_media(source.edl, source.base, progress)
         missing = [chunk for chunk in chunks if not (out / chunk.name).is_file()]
         if missing:
             _tell_of_space(source, out, chunks, missing, quality, progress)
@@ -131,12 +130,6 @@ def _claimed(out: Path) -> Manifest:
     return manifest
 
 
-def _files(source: ProgrammeSource) -> list[tuple[Path, str]]:
-    """The media that are there, with their keys in the EDL."""
-    files = [(source.base / media.path, media.fingerprint) for camera in source.edl.cameras for media in camera.media]
-    return [(path, key) for path, key in files if path.is_file()]
-
-
 def _rename_former(source: ProgrammeSource, manifest: Manifest, chunks: Sequence[Chunk], quality: Quality) -> None:
     """Gives chunks made under content keys of the former kind the names of today's.
 
@@ -146,7 +139,7 @@ def _rename_former(source: ProgrammeSource, manifest: Manifest, chunks: Sequence
     missing = {chunk.range: chunk for chunk in chunks if not (out / chunk.name).exists()}
     if not missing or not any(is_chunk(path.name) for path in out.iterdir()):
         return
-    changed_s = max(newest_change_s(path) for path, _ in _files(source))
+    changed_s = max(newest_change_s(path) for path, _ in media_files(source.edl, source.base))
     for former in plan_chunks(with_former_keys(source.edl), source.base, filler=source.filler, quality=quality):
         lying = out / former.name
         if former.range in missing and lying.is_file() and lying.stat().st_mtime > changed_s:
@@ -188,19 +181,6 @@ def _prune(source: ProgrammeSource, manifest: Manifest, quality: Quality, audio:
         path = manifest.path.parent / name
         if Path(name).name == name and manifest.knows(path) and not any(is_same_file(path, file) for file in media):
             path.unlink()
-
-
-def _tell_of_changed_media(source: ProgrammeSource, progress: Progress) -> None:
-    edl = source.edl
-    needed = {
-        view.camera.name
-        for _, decision, number in resolve_by_pose(edl)
-        for view in views_of(edl, edl.poses[number], decision)
-    }
-    for camera in (camera for camera in edl.cameras if camera.name in needed):
-        for media, now in zip(camera.media, media_fingerprints(camera, source.base), strict=True):
-            if media.fingerprint and media.fingerprint != now:
-                progress.note(f"{media.path} of {camera.name} has changed since the analysis")
 
 
 def _tell_of_space(

@@ -12,6 +12,8 @@ from mcsl_core.imaging.planes import resize_planes
 from mcsl_core.imaging.warp import Resampling
 from mcsl_core.media.writing import Encoding, VideoWriter
 from mcsl_core.progress import Progress, Silent
+from mcsl_core.recording.changed_media import media_files, tell_of_changed_media
+from mcsl_core.recording.contents import read_contents
 from mcsl_core.recording.damage import tell_of_damage
 from mcsl_core.recording.footage import footage_of
 from mcsl_core.timing import FrameRange
@@ -58,6 +60,8 @@ def write_direct(
     edl = source.edl
     piece = piece or FrameRange(0, edl.frames)
     size, camera = video.size or edl.size, source.sound_camera
+    read_contents(media_files(edl, source.base), progress)
+    tell_of_changed_media(edl, source.base, progress)
     footage = footage_of(edl, source.base, threads=0)
     start_s, stop_s = (Fraction(frame) / edl.rate for frame in (piece.start, piece.stop))
     sound = None

@@ -21,6 +21,8 @@ from mcsl_core.edl import IDENTITY, Edl, Look
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.errors import UsageError
 from mcsl_core.progress import Progress, Silent
+from mcsl_core.recording.changed_media import media_files, tell_of_changed_media
+from mcsl_core.recording.contents import read_contents
 from mcsl_core.timing import FrameRange
 
 from .manual_alignment import ByHand, aligned_by_hand
@@ -146,8 +148,10 @@ def evaluate(
     variants = standard_variants(edl) if variants is None else tuple(variants)
     _check(edl, variants, width, every)
     selection = _select(edl, every, most_switches)
-    size = proxy_size(edl.size, width)
-    found = _measure(edl, base, variants, size, selection.pairs, progress or Silent())
+    size, progress = proxy_size(edl.size, width), progress or Silent()
+    read_contents(media_files(edl, base), progress)
+    tell_of_changed_media(edl, base, progress)
+    found = _measure(edl, base, variants, size, selection.pairs, progress)
     weights_at_switches, weights = selection.weights(edl.frames)
     rows = tuple(
         Measured(

@@ -74,11 +74,23 @@ def open_cameras(recording: Sequence[Path], base: Path, progress: Progress) -> t
         except Fault as fault:
             remedy = "Leave it out, or convert it"
             raise InputError(f"cannot be taken: {fault}", where=f"camera {name}", remedy=remedy) from fault
+    for name, other in _same_films(cameras):
+        progress.note(f"{name} and {other} are one film, byte for byte; if one is a copy, take it out of the recording")
     for name, other in look_like_parts([camera.name for camera in cameras]):
         progress.note(
             f"{name} and {other} are taken for two cameras; if they are parts of one, put both into a folder {name}"
         )
     return tuple(cameras)
+
+
+def _same_films(cameras: Sequence[Camera]) -> list[tuple[str, str]]:
+    """(camera, further camera) that have the same files: a copy left behind, a link."""
+    first: dict[tuple[str, ...], str] = {}
+    found = []
+    for camera in cameras:
+        name = first.setdefault(tuple(media.fingerprint for media in camera.media), camera.name)
+        found += [(name, camera.name)] if name != camera.name else []
+    return found
 
 
 def _without_own_work(recording: Sequence[Path], base: Path, progress: Progress) -> list[tuple[str, tuple[Path, ...]]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import unicodedata
 from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
@@ -74,18 +75,23 @@ def discover(
             raise InputError("does not exist", where=str(path), remedy="Check the path")
     cameras += _grouped(loose)
     names = [name for name, _ in cameras]
-    folded = [name.casefold() for name in names]  # cam1 and CAM1 are one file's name on most machines
+    folded = [_folded(name) for name in names]
     twice = sorted({n for n, f in zip(names, folded, strict=True) if folded.count(f) > 1})
     if twice:
         raise InputError(
             f"two cameras are named {twice[0]!r}",
-            where=", ".join(str(files[0]) for name, files in cameras if name.casefold() == twice[0].casefold()),
+            where=", ".join(str(files[0]) for name, files in cameras if _folded(name) == _folded(twice[0])),
             remedy="Rename one of the files",
         )
     for _, files in cameras:
         for file in files:
             _check(file)
     return cameras
+
+
+def _folded(name: str) -> str:
+    """cam1 and CAM1, and ä in one character or two, are one name for people, and one file's on many machines."""
+    return unicodedata.normalize("NFC", unicodedata.normalize("NFC", name).casefold())
 
 
 def _check(file: Path) -> None:

@@ -9,11 +9,19 @@ import threading
 import pytest
 
 from mcsl_core.errors import Cancelled
-from mcsl_core.progress import CancelToken, JsonLines, Progress, Silent
+from mcsl_core.progress import CancelToken, JsonLines, Progress, Silent, counted
 
 
 def lines(stream: io.StringIO) -> list[dict]:
     return [json.loads(line) for line in stream.getvalue().splitlines()]
+
+
+@pytest.mark.parametrize(
+    ("count", "plural", "said"),
+    [(0, "shots", "0 shots"), (1, "shots", "1 shot"), (2, "shots", "2 shots"), (1, "MiB", "1 MiB"), (1, "", "1 ")],
+)
+def test_one_is_no_plural(count, plural, said):
+    assert counted(count, plural) == said
 
 
 def test_every_message_is_one_json_object_a_line():

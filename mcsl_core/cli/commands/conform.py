@@ -10,6 +10,7 @@ import click
 import mcsl_core as mcsl
 from mcsl_core.cli.options import PATH, allow_outside, audio_option
 from mcsl_core.cli.output import Session
+from mcsl_core.progress import counted
 
 
 @click.command()
@@ -45,4 +46,4 @@ def conform(session: Session, edl: Path, out: Path | None, quality: str, **how: 
         pieces=tuple(piece_of(chunk, folder.resolve()) for chunk in done.chunks),
         sound=None if done.audio is None else done.audio.resolve(),
     )
-    session.result(to_json(media), f"{folder}: {len(done.chunks)} chunks, {done.made} made now")
+    session.result(to_json(media), f"{folder}: {counted(len(done.chunks), 'chunks')}, {done.made} made now")

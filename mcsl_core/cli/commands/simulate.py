@@ -12,6 +12,7 @@ from click.core import ParameterSource
 from mcsl_core.cli.options import FORCE, PATH
 from mcsl_core.cli.output import Session
 from mcsl_core.errors import UsageError
+from mcsl_core.progress import counted
 from mcsl_core.simulation.families import FAMILIES
 from mcsl_core.timing import parse_rate
 
@@ -75,5 +76,6 @@ def simulate(session: Session, out: Path, size: str, rate: str, force: bool, **c
     moved = len(truth.movements)
     session.result(
         {"folder": str(out), "frames": truth.frames, "movements": moved},
-        f"{out}: {len(truth.cameras)} cameras, {truth.frames} frames, {moved} lamp movement{'s' * (moved != 1)}",
+        f"{out}: {counted(len(truth.cameras), 'cameras')}, {counted(truth.frames, 'frames')}, "
+        f"{counted(moved, 'lamp movements')}",
     )

@@ -11,6 +11,7 @@ import click
 import mcsl_core as mcsl
 from mcsl_core.cli.options import FORCE, PATH, allow_outside
 from mcsl_core.cli.output import Session
+from mcsl_core.progress import counted
 
 
 @click.command()
@@ -47,4 +48,4 @@ def pull(session: Session, blend: Path, out: Path | None, blender: str | None, f
     with session.progress() as progress:
         edl = pull_overrides(blend, out, blender=installation.find(blender), force=force, progress=progress)
     count = len(edl.overrides)
-    session.result({"overrides": count}, f"{count} override{'s' * (count != 1)}")
+    session.result({"overrides": count}, counted(count, "overrides"))

@@ -15,6 +15,7 @@ from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.compositing.placement import programme_matrix
 from mcsl_core.edl import Camera, Edl, Look, Media, Override, Pose, Shot, Weak
 from mcsl_core.edl.placement import fit_matrix
+from mcsl_core.errors import DocumentError
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.paper import PaperFiller
 from mcsl_core.imaging.planes import Planes, bgr_to_planes
@@ -102,6 +103,14 @@ def oracle(plane, matrix, size, edge, *, chroma):
 def assert_same(found: Planes, expected: Planes):
     for a, b in zip(found, expected, strict=True):
         assert np.array_equal(a, b)
+
+
+@pytest.mark.parametrize("size", [(191, 128), (192, 127), (1, 1)])
+def test_an_odd_programme_is_refused_in_words(tmp_path, size):
+    """From an EDL written by hand; it was an internal error."""
+    edl = make(tmp_path)
+    with pytest.raises(DocumentError, match=f"size of the EDL: is {size[0]}x{size[1]}; a programme's size is even"):
+        compose(attrs.evolve(edl, size=size), tmp_path)
 
 
 def test_the_reference_passes_bit_for_bit(tmp_path):

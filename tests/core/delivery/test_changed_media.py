@@ -11,8 +11,10 @@ from two_cameras import FRAMES, make
 
 from mcsl_core.delivery.chunk_keys import plan_chunks, with_former_keys
 from mcsl_core.delivery.conform import conform
+from mcsl_core.delivery.direct import write_direct
 from mcsl_core.delivery.source import ProgrammeSource
 from mcsl_core.edl import Edl
+from mcsl_core.evaluation.evaluate import evaluate
 from mcsl_core.media.fingerprint import fingerprint
 
 
@@ -75,3 +77,17 @@ def test_chunks_that_are_older_than_the_media_are_made_again(media, tmp_path):
         stream.write(b"repaired")
     assert with_keys(make(), media, like="0" * 32) == old
     assert conform(ProgrammeSource(with_keys(make(), media), media), tmp_path / "out").made == 5
+
+
+def test_whoever_shows_or_measures_changed_media_says_so(media, tmp_path):
+    """They did not: views of another film were laid where those of the analysed one lay."""
+    edl = with_keys(make(), media)
+    with (media / "b.mp4").open("ab") as stream:
+        stream.write(b"\0\0\0\x08free")
+    for work in (
+        lambda progress: write_direct(ProgrammeSource(edl, media), tmp_path / "v.mp4", progress=progress),
+        lambda progress: evaluate(edl, media, every=0, progress=progress),
+    ):
+        progress = Notes()
+        work(progress)
+        assert [note for note in progress.notes if "changed" in note] == ["b.mp4 of b has changed since the analysis"]

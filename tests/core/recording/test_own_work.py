@@ -63,7 +63,7 @@ def test_by_the_list_beside_an_edl_elsewhere(recording, tmp_path):
 def test_a_file_that_is_named_is_a_camera(recording):
     names, told = cameras(recording / "cam1.mp4", recording / "delivered.mp4", base=recording)
     assert names == ["cam1", "delivered"]
-    assert not told
+    assert "left out" not in told
 
 
 def test_another_film_under_the_same_name_is_a_camera(recording):
