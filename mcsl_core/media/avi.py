@@ -6,10 +6,39 @@ stretch came earlier by as much as is missing. The index says at which byte each
 
 from __future__ import annotations
 
+import struct
+from pathlib import Path
 from typing import Any
+
+from mcsl_core.errors import MediaError
 
 _HEADER = 8  # bytes: a packet's place is behind the chunk's name and length, the index's before
 _ALL = 0.9  # of the pictures that the header counts; those that a recorder dropped have no entry
+_LARGEST_INDEX = 16 << 20  # bytes, 16 for each of a million chunks
+
+
+def has_index(entries: Any, frames: int) -> bool:
+    """Whether what FFmpeg knows of a file is its own index, which stands at its end, and not what was read so far."""
+    return len(entries) > 1 and entries[-1].timestamp > _ALL * frames
+
+
+def refuse_misfit(path: Path) -> None:
+    """MediaError for an AVI that has its index, though FFmpeg could not use it: bytes are missing before it."""
+    size = path.stat().st_size
+    with path.open("rb") as stream:
+        stream.seek(max(0, size - _LARGEST_INDEX))
+        data = stream.read()
+    at = data.find(b"idx1")
+    while 0 <= at <= len(data) - _HEADER:
+        (length,) = struct.unpack_from("<I", data, at + 4)
+        if at + _HEADER + length + length % 2 == len(data):
+            raise MediaError(
+                "is an AVI whose index does not fit its pictures: bytes are missing inside it, and nothing says when "
+                "what follows them was recorded",
+                where=str(path),
+                remedy="Copy it again from the recorder, or leave it out",
+            )
+        at = data.find(b"idx1", at + 1)
 
 
 class AviPlaces:
@@ -17,8 +46,7 @@ class AviPlaces:
 
     def __init__(self, stream: Any) -> None:
         self._index = stream.index_entries
-        # Without its own index, at its end, a file has what was read so far.
-        self._usable = len(self._index) > 1 and self._index[-1].timestamp > _ALL * stream.frames
+        self._usable = has_index(self._index, stream.frames)
         self._numbers: dict[int, int] = {}  # of entries by their bytes, made once one is not where it should be
         self._last: int | None = None
 

@@ -18,6 +18,7 @@ from av.error import FFmpegError
 from mcsl_core.errors import MediaError
 from mcsl_core.timing import parse_time
 
+from .avi import has_index, refuse_misfit
 from .boxes import refuse_second_film
 from .colours import colour_note, refuse_colours
 from .crops import asked_size
@@ -233,6 +234,8 @@ def _from_packets(path: Path, header: _Header) -> _Packets:
     cut_short = promised and end and end - header.zero_s < promised - slack
     if cut_short and header.form == "mxf":
         _refuse_without_index(path)
+    if cut_short and header.form == "avi" and not has_index(header.index, header.counted):
+        refuse_misfit(path)
     return _Packets(
         stamps=stamps,
         keyframes=keyframes,

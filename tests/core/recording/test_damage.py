@@ -9,6 +9,7 @@ from damaged_films import FRAMES, GOP, damaged, lost, noise, place_of, write_fil
 from notes import Notes
 
 from mcsl_core.edl import Camera, Clock, Media
+from mcsl_core.errors import MediaError
 from mcsl_core.imaging.planes import planes_to_bgr
 from mcsl_core.media.damage import find_damage
 from mcsl_core.media.probing import probe
@@ -263,6 +264,15 @@ def test_an_avi_cut_short_is_told(tmp_path):
     notes = Notes()
     footage_of_file(path, gaps=None, notes=notes)
     assert any("cut short" in note for note in notes.notes)
+
+
+@pytest.mark.parametrize("codec", ["mpeg4", "libx264"])
+def test_an_avi_that_lacks_bytes_inside_is_refused_by_name(tmp_path, codec):
+    """Its index stands at its end and fits no more: all after the loss would be shown early."""
+    path = write_film(tmp_path, "m.avi", codec)
+    damaged(path, place_of(path, 100) + 200, lost(path.stat().st_size // 12))
+    with pytest.raises(MediaError, match="index does not fit"):
+        probe(path)
 
 
 def test_sound_goes_on_after_damage(tmp_path):
