@@ -227,6 +227,7 @@ def example() -> edl.Edl:
     moved = ((0.98, -0.02, 31.0), (0.02, 0.98, -12.5), (0.0, 0.0, 1.0))
     colour = edl.Colour(((1.02, 0.0, 0.0, -1.5), (0.0, 0.97, 0.0, 3.0), (0.0, 0.0, 1.05, -6.0)))
     homographies = {"cam1": edl.IDENTITY, "cam2": turned}
+    outline = ((812.0, 430.0), (1130.0, 418.0), (1166.0, 664.0), (838.0, 690.0))
     return edl.Edl(
         rate=Fraction(30000, 1001),
         size=(1920, 1080),
@@ -262,6 +263,8 @@ def example() -> edl.Edl:
             edl.Shot(FrameRange(240, 900), "cam1", 0.91, "a head covers the field in cam2"),
         ),
         overrides=(edl.Override(FrameRange(120, 200), camera="cam1", centering=False, note="show the suture"),),
+        fields=(edl.FieldStretch(FrameRange(0, 330), "pictures", (outline,)),),
+        drawn_fields=(edl.DrawnField(FrameRange(330, 900), (outline,), "the second wound"),),
         centering=((0, 12.5, -8.0), (330, 12.5, -8.0), (390, 4.0, 0.0)),
         scores="edl.scores.npz",
         made_by=edl.MadeBy("0.1.0", {"sample_s": 1.0}, {"selector": "shortest-path (mcsl 0.1.0)"}),
@@ -290,6 +293,8 @@ is its JSON Schema.
   camera pixel -> reference camera pixel (`homographies`) -> programme pixel (`anchor`) -> shifted by `centering`.
 - **Paths** are relative to the EDL's folder, or absolute, with forward slashes.
 - **Poses and shots tile** [0, frames): in order, no gap, no overlap.
+- **Fields**: outlines of the surgical field are in programme pixels before centering, in the first perspective those of
+  the reference camera. What lies in any of them is the field.
 - **Names**: every camera that is named anywhere is one of `cameras`.
 - **Overrides** win over the analysis, field by field; of two that overlap, the later in the list wins. Analysing again
   keeps them.

@@ -17,12 +17,15 @@ package imports nothing heavy; the stages are loaded when they are needed.
 NOT_SHOWN = {"__version__"}
 
 
+INHERITED = {"Programme": "    options:\n      inherited_members: true\n"}
+
+
 def front_door_page() -> str:
     """A section for every public name of the package: none can be forgotten."""
     import mcsl_core
 
     names = [name for name in getattr(mcsl_core, "__all__", ()) if name not in NOT_SHOWN]
-    return "\n".join([FRONT_DOOR, *(f"::: mcsl_core.{name}\n" for name in names)])
+    return "\n".join([FRONT_DOOR, *(f"::: mcsl_core.{name}\n" + INHERITED.get(name, "") for name in names)])
 
 
 def notebook_page(path: Path) -> str:

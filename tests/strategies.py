@@ -16,7 +16,9 @@ from mcsl_core.edl import (
     Clock,
     Colour,
     Correction,
+    DrawnField,
     Edl,
+    FieldStretch,
     Look,
     MadeBy,
     Matrix,
@@ -107,6 +109,28 @@ def corrections(frames: int, cameras: Sequence[str]) -> SearchStrategy[Correctio
     )
 
 
+@st.composite
+def polygons(draw: DrawFn) -> tuple[tuple[float, float], ...]:
+    """A triangle of some area with more points beside it, anywhere about a picture."""
+    x, y, side = draw(numbers(-2000, 8000)), draw(numbers(-2000, 8000)), draw(numbers(4, 900))
+    more = draw(st.lists(st.tuples(numbers(-2000, 8000), numbers(-2000, 8000)), max_size=3))
+    kept = [float(f"{value:.{DIGITS}g}") for value in (x + side, y + side)]
+    return ((x, y), (kept[0], y), (x, kept[1]), *more)
+
+
+outlines = st.lists(polygons(), min_size=1, max_size=2).map(tuple)
+
+
+def field_stretches(piece: FrameRange) -> SearchStrategy[FieldStretch]:
+    return st.builds(
+        FieldStretch, range=st.just(piece), by=st.sampled_from(["hand", "pictures", "middle"]), polygons=outlines
+    )
+
+
+def drawn_fields(frames: int) -> SearchStrategy[DrawnField]:
+    return st.builds(DrawnField, range=ranges(frames), polygons=outlines, note=texts)
+
+
 json_values = st.recursive(
     st.none() | st.booleans() | st.integers(-(10**12), 10**12) | numbers(-1e6, 1e6) | texts,
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(texts, inner, max_size=3),
@@ -176,6 +200,8 @@ def edls(draw: DrawFn, max_frames: int = 300) -> Edl:
         shots=tuple(Shot(r, *draw(shot)) for r in draw(tilings(frames))),
         overrides=tuple(draw(st.lists(overrides(frames, known), max_size=4))),
         corrections=tuple(draw(st.lists(corrections(frames, known), max_size=2))),
+        fields=tuple(draw(field_stretches(r)) for r in draw(ordered_ranges(frames))),
+        drawn_fields=tuple(draw(st.lists(drawn_fields(frames), max_size=2))),
         look=Look(*draw(st.tuples(st.booleans(), st.booleans(), st.booleans()))),
         centering=draw(centering_keys(frames)),
         scores=draw(st.none() | paths),

@@ -14,9 +14,11 @@ from attrs import frozen
 from numpy.typing import NDArray
 
 from mcsl_core.edl import Pose
+from mcsl_core.edl.field import HAND, PICTURES
 from mcsl_core.imaging.geometry import Array, scaling
 from mcsl_core.imaging.masks import Mask, central_ellipse
 from mcsl_core.recording.sample_store import Sample
+from mcsl_core.timing import FrameRange
 
 from .aligned_views import AlignedPose, Picture
 from .correspondences import Correspondences, pool
@@ -73,12 +75,29 @@ class SolvedPose:
         Positions of samples spread over the pose, which later poses are anchored by.
     observations : mapping of str to Observations
         Camera -> its points, of some samples only, which later poses are anchored by; none where no later one can be.
+    field_by : str
+        What ``aligned.field`` rests on: PICTURES, or MIDDLE where they show none.
+    drawn : tuple of (FrameRange, (H, W) bool array)
+        In order: the field drawn by hand, which over its range holds in place of ``aligned.field``.
     """
 
     pose: Pose
     aligned: AlignedPose
     samples: tuple[int, ...]
     observations: Mapping[str, Observations]
+    field_by: str = PICTURES
+    drawn: tuple[tuple[FrameRange, Mask], ...] = ()
+
+    def fields(self) -> list[tuple[FrameRange, Mask, str]]:
+        """Where the field lies when: ranges that tile the pose's, with what each rests on."""
+        at, stop = self.pose.range.start, self.pose.range.stop
+        found: list[tuple[FrameRange, Mask, str]] = []
+        for piece, mask in self.drawn:
+            if at < piece.start:
+                found.append((FrameRange(at, piece.start), self.aligned.field, self.field_by))
+            found.append((piece, mask, HAND))
+            at = piece.stop
+        return found if at == stop else [*found, (FrameRange(at, stop), self.aligned.field, self.field_by)]
 
 
 def spread(positions: Sequence[int], wanted: int) -> list[int]:

@@ -15,6 +15,7 @@ import numpy as np
 from attrs import frozen
 
 from mcsl_core.edl import Colour, Pose
+from mcsl_core.edl.field import MIDDLE, PICTURES
 from mcsl_core.imaging.geometry import scaling, size_at_columns, to_edl_matrix
 from mcsl_core.imaging.masks import Mask, central_ellipse, convex_hull, resize_mask
 from mcsl_core.progress import Progress
@@ -24,7 +25,7 @@ from .aligned_views import AlignedPose, Picture
 from .clear_frames import degree_of_occlusion, field_area
 from .colour_match import match_colours
 from .correspondences import Pairs
-from .dense_matching import AlignedCamera, match_densely
+from .dense_matching import AlignedCamera, DenseSettings, match_densely
 from .field import field_by_hue, field_by_vote, field_in_camera, field_that_stays, modal_picture
 from .observations import Observations, Samples, SolvedPose, match_cameras, observe, spread, weight_matches
 from .protocol import Aligner, Alignment, Matcher
@@ -61,7 +62,15 @@ class PoseSolver:
     aligner: Aligner
     settings: SolveSettings
 
-    def solve(self, frames: FrameRange, standing: Sequence[int], samples: Samples, progress: Progress) -> SolvedPose:
+    def solve(
+        self,
+        frames: FrameRange,
+        standing: Sequence[int],
+        samples: Samples,
+        progress: Progress,
+        *,
+        known: Mask | None = None,
+    ) -> SolvedPose:
         """Solves one pose.
 
         Parameters
@@ -74,6 +83,8 @@ class PoseSolver:
             What is read.
         progress : Progress
             Told of weak cameras.
+        known : (H, W) bool array, optional
+            Where the field lies in the reference camera's picture, of any size; it is looked for without.
 
         Returns
         -------
@@ -87,17 +98,18 @@ class PoseSolver:
         for_field = spread(standing, settings.typical_moments)
         for_dense = spread(standing, settings.dense_moments)
         observations = observe(clear, for_field, samples, self.matcher)
-        first, by_points = self._by_points(observations)
-        coarse = self._aligned(first, settings.typical_width)
-        by_hue = field_by_hue(modal_picture(coarse, (samples[i].pictures for i in for_field)))
+        first, by_points = self._by_points(observations, known)
+        by_hue = self._by_hue(first, for_field, samples) if known is None else known
         pictures = [samples[i].pictures for i in for_dense]
-        dense = self._densely(first, by_hue, pictures)
+        # In a field that is known its hue says nothing more.
+        how = settings.dense if known is None else attrs.evolve(settings.dense, other_hue=1.0)
+        dense = self._densely(first, by_hue, pictures, how)
         alignment = self._together(first, by_points, dense)
         for weak in alignment.weak:
             progress.note(f"frames {frames}: camera {weak.camera} is weak: {weak.reason}")
         aligned = self._aligned(alignment, settings.scene_width)
-        field = field_that_stays(aligned, resize_mask(by_hue, aligned.size), dense)
-        aligned = attrs.evolve(aligned, field=field)
+        field = resize_mask(by_hue, aligned.size)
+        aligned = attrs.evolve(aligned, field=field if known is not None else field_that_stays(aligned, field, dense))
         pose = Pose(
             range=frames,
             homographies={name: to_edl_matrix(h) for name, h in alignment.homographies.items()},
@@ -108,9 +120,9 @@ class PoseSolver:
             weak=alignment.weak,
         )
         kept = {name: Observations(own.features[::4], own.field) for name, own in observations.items()}
-        return SolvedPose(pose, aligned, tuple(for_dense), kept)
+        return SolvedPose(pose, aligned, tuple(for_dense), kept, PICTURES if by_hue.any() else MIDDLE)
 
-    def _by_points(self, observations: Mapping[str, Observations]) -> tuple[Alignment, Pairs]:
+    def _by_points(self, observations: Mapping[str, Observations], known: Mask | None) -> tuple[Alignment, Pairs]:
         """The alignment by distinctive points, and the matches it was made from.
 
         A head may hide the field from one camera in all clear samples. So the cameras are tied twice: first by where
@@ -122,9 +134,12 @@ class PoseSolver:
             for a, b in combinations(sorted(observations), 2)
         }
         fields = {name: own.field for name, own in observations.items()}
+        if known is not None and self.reference in fields:
+            fields[self.reference] = resize_mask(known, fields[self.reference].shape[::-1])
         first, _ = self._by_weight(found, fields)
         aligned = self._aligned(first, self.settings.scene_width)
-        aligned = attrs.evolve(aligned, field=field_by_vote(aligned, fields))
+        field = field_by_vote(aligned, fields) if known is None else resize_mask(known, aligned.size)
+        aligned = attrs.evolve(aligned, field=field)
         for name in first.homographies.keys() & fields.keys():
             fields[name] = field_in_camera(aligned, name, fields[name].shape)
         return self._by_weight(found, fields)
@@ -138,7 +153,14 @@ class PoseSolver:
         }
         return self.aligner.align(pairs, sizes, self.reference), pairs
 
-    def _densely(self, first: Alignment, by_hue: Mask, pictures: Sequence[Mapping[str, Picture | None]]) -> Pairs:
+    def _by_hue(self, first: Alignment, positions: Sequence[int], samples: Samples) -> Mask:
+        """Where the picture that is seen most has the field's hue; empty where it has it nowhere."""
+        coarse = self._aligned(first, self.settings.typical_width)
+        return field_by_hue(modal_picture(coarse, (samples[i].pictures for i in positions)))
+
+    def _densely(
+        self, first: Alignment, by_hue: Mask, pictures: Sequence[Mapping[str, Picture | None]], dense: DenseSettings
+    ) -> Pairs:
         """Matches all over the hull of the field, of the cameras that are tied in."""
         size = size_at_columns(self.sizes[self.reference], self.settings.dense_width)
         to_aligned = scaling(self.sizes[self.reference], size)
@@ -147,7 +169,7 @@ class PoseSolver:
             for name, h in first.homographies.items()
         }
         area = convex_hull(resize_mask(by_hue, size))
-        return match_densely(cameras, area if area.any() else central_ellipse(size), self.settings.dense)
+        return match_densely(cameras, area if area.any() else central_ellipse(size), dense)
 
     def _together(self, first: Alignment, by_points: Pairs, dense: Pairs) -> Alignment:
         """The alignment by dense matches, where there are any; a camera without stays where its points lay it.

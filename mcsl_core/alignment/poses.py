@@ -7,10 +7,13 @@ from collections.abc import Sequence
 import attrs
 import cv2
 import numpy as np
+from attrs import frozen
 
-from mcsl_core.edl import Movement
-from mcsl_core.imaging.geometry import scaling, size_at_columns, to_edl_matrix
-from mcsl_core.progress import Progress
+from mcsl_core.edl import DrawnField, Movement
+from mcsl_core.edl.field import drawn_over
+from mcsl_core.imaging.geometry import scaling, size_at_columns, to_edl_matrix, transform_points
+from mcsl_core.imaging.masks import Mask, polygon_mask
+from mcsl_core.progress import Progress, Silent
 from mcsl_core.recording.sample_store import SampleStore
 from mcsl_core.timing import FrameRange
 
@@ -30,18 +33,21 @@ def pose_ranges(movements: Sequence[Movement], frames: int) -> list[FrameRange]:
 
 
 def solve_poses(
-    solver: PoseSolver, samples: SampleStore, movements: Sequence[Movement], frames: int, progress: Progress
+    solver: PoseSolver,
+    samples: SampleStore,
+    movements: Sequence[Movement],
+    frames: int,
+    progress: Progress,
+    drawn: Sequence[DrawnField] = (),
 ) -> list[SolvedPose]:
-    """Every pose of a recording of so many ``frames`` in order, each anchored to those before."""
+    """Every pose of a recording of so many ``frames`` in order, each anchored to those before; ``drawn``: by hand."""
+    recording = _Recording(solver, samples, drawn, progress)
     solved: list[SolvedPose] = []
     ranges = pose_ranges(movements, frames)
     progress.stage("Aligning the views", len(ranges), "poses")
     for within in ranges:
         standing = samples.standing(within, movements) or samples.within(within)
-        pose = _solved(solver, within, standing, samples, solved, progress)
-        solved.append(
-            anchor(pose, solved, samples, matcher=solver.matcher, settings=solver.settings, progress=progress)
-        )
+        solved.append(recording.solved(within, standing, solved))
         solved = with_needed_points(solved)
         progress.advance(len(solved))
     return solved
@@ -55,6 +61,55 @@ def with_needed_points(solved: Sequence[SolvedPose]) -> list[SolvedPose]:
     return [pose if pose is last or pose is began else attrs.evolve(pose, observations={}) for pose in solved]
 
 
+@frozen(eq=False)
+class _Recording:
+    """What every pose of a recording is solved by and from; ``drawn``: the field by hand, in programme pixels."""
+
+    solver: PoseSolver
+    samples: SampleStore
+    drawn: Sequence[DrawnField]
+    progress: Progress
+
+    def solved(self, within: FrameRange, standing: Sequence[int], earlier: Sequence[SolvedPose]) -> SolvedPose:
+        """A pose, anchored; once more by the field that is drawn, which is known in its pictures by its anchor."""
+        awaited = any(polygons for _, polygons in drawn_over(self.drawn, within))
+        progress = Silent() if awaited else self.progress  # what is told is told of the pose that counts
+        found = self._anchored(
+            _solved(self.solver, within, standing, self.samples, earlier, progress), earlier, progress
+        )
+        drawn = self._drawn_in(found)
+        if not drawn:
+            return found
+        held = sum(len(piece) for piece, _ in drawn) == len(within)
+        known = np.logical_or.reduce([mask for _, mask in drawn] + ([] if held else [found.aligned.field]))
+        again = _solved(self.solver, within, standing, self.samples, earlier, self.progress, known)
+        again = self._anchored(again, earlier, self.progress)
+        aligned = attrs.evolve(again.aligned, field=known if held else found.aligned.field)
+        again = attrs.evolve(again, aligned=aligned, field_by=found.field_by)
+        return attrs.evolve(again, drawn=self._drawn_in(again) or drawn)
+
+    def _anchored(self, pose: SolvedPose, earlier: Sequence[SolvedPose], progress: Progress) -> SolvedPose:
+        solver = self.solver
+        return anchor(pose, earlier, self.samples, matcher=solver.matcher, settings=solver.settings, progress=progress)
+
+    def _drawn_in(self, pose: SolvedPose) -> tuple[tuple[FrameRange, Mask], ...]:
+        """What is drawn over a pose, as masks of its aligned picture, but for what lies outside of that."""
+        aligned = pose.aligned
+        full = aligned.camera_sizes[aligned.reference]
+        to_aligned = scaling(full, aligned.size) @ np.linalg.inv(np.array(pose.pose.anchor))
+        found = []
+        for piece, polygons in drawn_over(self.drawn, pose.pose.range):
+            if polygons is None:
+                continue
+            moved = [transform_points(to_aligned, np.array(polygon, np.float64)) for polygon in polygons]
+            mask = polygon_mask(moved, aligned.size)
+            if mask.any():
+                found.append((piece, mask))
+            else:
+                self.progress.note(f"frames {piece}: the field that is drawn lies outside of the picture then")
+        return tuple(found)
+
+
 def _solved(
     solver: PoseSolver,
     within: FrameRange,
@@ -62,11 +117,12 @@ def _solved(
     samples: SampleStore,
     earlier: Sequence[SolvedPose],
     progress: Progress,
+    known: Mask | None = None,
 ) -> SolvedPose:
     """One pose, from the samples in which the reference camera has a picture; without any, from another's view."""
     shown = [position for position in standing if samples.shows(position, solver.reference)]
     if len(shown) >= min(_ENOUGH, len(standing)):
-        return solver.solve(within, shown, samples, progress)
+        return solver.solve(within, shown, samples, progress, known=known)
     seen = {name: sum(samples.shows(position, name) for position in standing) for name in solver.sizes}
     tied = earlier[-1].aligned.homographies if earlier else {}
     stand_in = max(seen, key=lambda name: (2 * seen[name] >= len(standing), name in tied, seen[name]))

@@ -24,12 +24,14 @@ from mcsl_core.arrays import read_arrays
 from mcsl_core.documents import make_converter, write_atomic
 from mcsl_core.edl import Clock, Movement, Pose
 from mcsl_core.errors import McslError
+from mcsl_core.imaging.masks import Mask
 from mcsl_core.media.damage import Damage
 from mcsl_core.movement.protocol import Curve, Detection
 from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.progress import Progress
 from mcsl_core.recording.damage import DamageOf
 from mcsl_core.temporary import private_folder
+from mcsl_core.timing import FrameRange
 
 T = TypeVar("T")
 Arrays = Mapping[str, NDArray]
@@ -140,22 +142,30 @@ def _pack_poses(solved: Sequence[SolvedPose]) -> dict[str, NDArray]:
         "poses": _text([_converter.unstructure(s.pose, Pose) for s in solved]),
         "sizes": _text(sizes),
         "samples": _text([list(map(int, s.samples)) for s in solved]),
+        "field_by": _text([s.field_by for s in solved]),
+        "drawn": _text([[[piece.start, piece.stop] for piece, _ in s.drawn] for s in solved]),
         **{f"field{i}": np.packbits(s.aligned.field) for i, s in enumerate(solved)},
+        **{f"field{i}_{n}": np.packbits(mask) for i, s in enumerate(solved) for n, (_, mask) in enumerate(s.drawn)},
     }
 
 
 def _unpack_poses(arrays: Arrays) -> list[SolvedPose]:
     solved = []
-    poses, sizes, samples = (_json(arrays, name) for name in ("poses", "sizes", "samples"))
-    for i, (document, (size, reference, camera_sizes), at) in enumerate(zip(poses, sizes, samples, strict=True)):
+    of_poses = (_json(arrays, name) for name in ("poses", "sizes", "samples", "field_by", "drawn"))
+    for i, (document, (size, reference, camera_sizes), at, by, pieces) in enumerate(zip(*of_poses, strict=True)):
         pose = _converter.structure(document, Pose)
-        width, height = size
-        field = np.unpackbits(arrays[f"field{i}"], count=width * height).reshape(height, width).astype(bool)
+        field = _unpack_mask(arrays[f"field{i}"], size)
+        drawn = [(FrameRange(*ends), _unpack_mask(arrays[f"field{i}_{n}"], size)) for n, ends in enumerate(pieces)]
         homographies = {name: np.array(h) for name, h in pose.homographies.items()}
         full = {name: (int(w), int(h)) for name, (w, h) in camera_sizes.items()}
-        aligned = AlignedPose((width, height), reference, homographies, full, field)
-        solved.append(SolvedPose(pose, aligned, tuple(at), {}))
+        aligned = AlignedPose((size[0], size[1]), reference, homographies, full, field)
+        solved.append(SolvedPose(pose, aligned, tuple(at), {}, by, tuple(drawn)))
     return solved
+
+
+def _unpack_mask(bits: NDArray, size: Sequence[int]) -> Mask:
+    width, height = size
+    return np.unpackbits(bits, count=width * height).reshape(height, width).astype(bool)
 
 
 def _pack_damage(found: DamageOf) -> dict[str, NDArray]:

@@ -34,6 +34,7 @@ from mcsl_core.sync.synchronise import synchronise
 from mcsl_core.temporary import temporary_folder
 
 from .cache import CLOCKS, CUTS, DAMAGE, DAMAGE_MET, MOVEMENTS, POSES, SCORES, Deferred, StageCache
+from .fields import drawn_before, field_stretches, tell_of_fields, without_claims
 from .measurements import Measurements
 from .place import EdlPlace, cache_folder
 from .settings import AnalysisSettings
@@ -51,9 +52,10 @@ def analyse(
 ) -> edl.Edl:
     """Analyses ``recording`` (a folder, or camera files in order), writes the EDL to ``out`` and returns it.
 
-    An EDL that lies there already keeps its overrides, corrections and look, those as well that are written while the
-    analysis is at work. Anything else that lies there is replaced where ``force`` says so; the recording never. Raises
-    InputError where a file is refused or another analysis is at work on ``out``, and Cancelled with nothing written.
+    An EDL that lies there already keeps its overrides, corrections, drawn fields and look, those as well that are
+    written while the analysis is at work. Anything else that lies there is replaced where ``force`` says so; the
+    recording never. Raises InputError where a file is refused or another analysis is at work on ``out``, and Cancelled
+    with nothing written.
     """
     chosen = _chosen(settings, plugins)
     place = EdlPlace.claimed(out, recording, settings.gaze, force=force)
@@ -80,7 +82,8 @@ def _analysed(
     sizes = {camera.name: camera.size for camera in cameras}
     shown = Shown(float(rate), frames, reference.size, sizes)
     gaze = _read_gaze(settings.gaze, shown, progress)
-    keys = stage_keys(cameras, reference.name, rate, frames, settings, chosen)
+    drawn = drawn_before(place.before, reference.name, frames)
+    keys = stage_keys(cameras, reference.name, rate, frames, settings, chosen, drawn)
     watch = Watch(float(frames / rate), progress.note)
     by = {stage: attrs.evolve(offer, watch=watch).checked for stage, offer in chosen.items()}
 
@@ -91,7 +94,7 @@ def _analysed(
         detection = cache.remember(MOVEMENTS, keys.movements, by["movement"].detect, samples, footage, progress)
         movements = detection.movements
         solver = PoseSolver(sizes, reference.name, by["matcher"], by["aligner"], settings.solve)
-        solved = cache.remember(POSES, keys.poses, solve_poses, solver, samples, movements, frames, progress)
+        solved = cache.remember(POSES, keys.poses, solve_poses, solver, samples, movements, frames, progress, drawn)
         segments = Deferred(scoring_segments, samples, solved, movements, by["occlusion"])
         table = cache.remember(SCORES, keys.scores, score_views, samples, solved, segments, movements, progress)
         table = without_gaps(table, footage.cameras, frames)
@@ -99,6 +102,7 @@ def _analysed(
         least_s = by["selector"].min_shot_s
         refine = partial(refine_switches, min_shot_s=least_s)
         cuts = cache.remember(CUTS, keys.cuts(shots, least_s), refine, shots, footage, segments, movements, progress)
+    fields = field_stretches(solved, drawn)
     made = edl.Edl(
         rate=rate,
         size=reference.size,
@@ -107,7 +111,8 @@ def _analysed(
         cameras=footage.cameras,
         movements=movements,
         poses=tuple(pose.pose for pose in solved),
-        shots=with_switches_at(shots, cuts),
+        shots=without_claims(with_switches_at(shots, cuts), fields),
+        fields=fields,
         scores=place.scores.name,
         made_by=_made_by(settings, chosen, gaze),
     )
@@ -117,6 +122,7 @@ def _analysed(
         made = attrs.evolve(made, centering=by["centerer"].centre(positions, size=made.size, rate=float(rate)))
         Measurements(table, detection.curve).save(place.scores)
         edl.save(made, out)
+    tell_of_fields(made, progress)
     if not edl.remember(made, out):
         progress.note("that this EDL was made here cannot be remembered: other commands will want --allow-outside")
     return made

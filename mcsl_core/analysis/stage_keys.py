@@ -16,7 +16,7 @@ from attrs import frozen
 
 from mcsl_core.alignment.poses import solve_poses
 from mcsl_core.code_keys import code_of
-from mcsl_core.edl import Camera, Shot
+from mcsl_core.edl import Camera, DrawnField, Shot
 from mcsl_core.hooks.registry import Offer
 from mcsl_core.occlusion.scoring import score_views
 from mcsl_core.recording.damage import damage_of
@@ -50,6 +50,7 @@ def stage_keys(
     frames: int,
     settings: AnalysisSettings,
     chosen: Mapping[str, Offer],
+    drawn: Sequence[DrawnField] = (),
 ) -> StageKeys:
     """The keys for a recording. cameras: with their media's fingerprints. chosen: stage -> who does it."""
     by = {stage: identity(offer) for stage, offer in chosen.items()}
@@ -57,6 +58,8 @@ def stage_keys(
     samples = key_of(code_of(SampleStore), clocks, damage_key(cameras), rate, frames, settings.sample_s)
     movements = key_of(samples, by["movement"])
     poses = key_of(code_of(solve_poses), movements, reference, by["matcher"], by["aligner"], settings.solve)
+    if drawn:
+        poses = key_of(poses, [(each.range.start, each.range.stop, each.polygons) for each in drawn])
     scores = key_of(code_of(score_views), poses, by["occlusion"])
     return StageKeys(clocks, samples, movements, poses, scores)
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from mcsl_core import edl
+from mcsl_core.edl.field import HAND, MIDDLE
 from mcsl_core.progress import counted
-from mcsl_core.timing import format_time
+from mcsl_core.timing import format_time, merge_equal
 
 _MOST_GAPS = 5  # of a camera that are told one by one
 
@@ -22,6 +23,7 @@ def summary(made: edl.Edl) -> dict[str, object]:
         "weak": [{"pose": i, "camera": w.camera, "reason": w.reason} for i, p in enumerate(made.poses) for w in p.weak],
         "gaps": {c.name: [[g.start, g.stop] for g in c.gaps] for c in made.cameras if c.gaps},
         "residual_px": [dict(p.residual_px) for p in made.poses],
+        "fields": [{"range": [f.range.start, f.range.stop], "by": f.by} for f in made.fields],
         **({"gaze": settings["gaze"]} if "gaze" in settings else {}),
     }
 
@@ -46,6 +48,21 @@ def describe(made: edl.Edl) -> str:
         at = format_time(pose.range.start / made.rate)
         lines.append(f"  pose from {at}, perspective {pose.perspective}: residual px {fits or 'none'}")
         lines += [f"    weak: {w.camera}: {w.reason}" for w in pose.weak]
+    lines += [f"  {line}" for line in _fields(made)]
     for file in made.made_by.settings.get("gaze", ()) if made.made_by else ():
         lines.append(f"  gaze of {file['file']}: {file['used']} of {file['samples']} looks used")
     return "\n".join(lines)
+
+
+def _fields(made: edl.Edl) -> list[str]:
+    """Where no field was found, or one was drawn; that it was found needs no line."""
+    words = {
+        MIDDLE: "nothing shows where the surgical field lies, the middle is taken (to draw it: mcsl field)",
+        HAND: "the surgical field is the one drawn by hand",
+    }
+    lines = []
+    for piece, by in merge_equal([(stretch.range, stretch.by) for stretch in made.fields]):
+        if by in words:
+            start, stop = (format_time(frame / made.rate) for frame in (piece.start, piece.stop))
+            lines.append(f"from {start} to {stop}: {words[by]}")
+    return lines

@@ -37,7 +37,8 @@ def analyse(
     recording : str, Path or sequence of them
         A folder with one file per camera, or the camera files in order.
     edl_path : str or Path
-        Where the EDL is written. One that lies there already keeps its overrides, corrections and look.
+        Where the EDL is written. One that lies there already keeps its overrides, corrections, fields drawn by
+        hand and look.
     reference : str, optional
         Whose perspective the programme keeps; the first camera without.
     settings : AnalysisSettings, optional

@@ -33,11 +33,12 @@ from mcsl_core.recording.footage import Footage, footage_of
 from mcsl_core.report.page import write_report
 from mcsl_core.timing import FrameRange, format_time
 
+from .fields import Fields
 from .saving import write_edl
 from .views import Views, moved
 
 
-class Programme:
+class Programme(Fields):
     """A programme: its EDL, the folder that lies in, its footage and its scores.
 
     Pictures are (H, W, 3) uint8 arrays, RGB; frames count from 0 at the programme's rate; points are (x, y) with pixel

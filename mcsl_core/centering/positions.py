@@ -19,11 +19,11 @@ from .protocol import FieldPosition
 
 
 def field_positions(solved: Sequence[SolvedPose], size: tuple[int, int]) -> list[FieldPosition]:
-    """Where the field lies in each pose, in a programme of ``size`` (width, height)."""
+    """Where the field lies in each part of each pose, in a programme of ``size`` (width, height)."""
     positions = []
     for one in solved:
         to_programme = np.array(one.pose.anchor) @ scaling(one.aligned.size, size)
-        positions.append(FieldPosition(one.pose.range, field_middle(one.aligned.field, to_programme)))
+        positions += [FieldPosition(piece, field_middle(mask, to_programme)) for piece, mask, _ in one.fields()]
     return positions
 
 

@@ -9,6 +9,7 @@ import attrs
 import numpy as np
 
 from mcsl_core.edl import IDENTITY, Edl, Pose
+from mcsl_core.edl.field import at_size
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.protocol import Filler
 from mcsl_core.hooks.registry import filler_offer
@@ -77,9 +78,12 @@ def proxy_edl(edl: Edl, size: tuple[int, int]) -> Edl:
     overrides = tuple(
         o if o.offset is None else attrs.evolve(o, offset=(o.offset[0] * x, o.offset[1] * y)) for o in edl.overrides
     )
+
     return attrs.evolve(
         edl,
         size=size,
+        fields=at_size(edl.fields, x, y),
+        drawn_fields=at_size(edl.drawn_fields, x, y),
         cameras=cameras,
         poses=tuple(pose_at_size(p) for p in edl.poses),
         corrections=corrections,

@@ -5,6 +5,7 @@ follows from a document stands beside: `resolve` (what holds after the editor's 
 pictures lie), `edits` (changes to a whole document).
 """
 
+from .field import DrawnField, FieldStretch
 from .outside import allowed_outside, remember
 from .schema import (
     IDENTITY,
@@ -35,7 +36,9 @@ __all__ = [
     "Clock",
     "Colour",
     "Correction",
+    "DrawnField",
     "Edl",
+    "FieldStretch",
     "Look",
     "MadeBy",
     "Matrix",

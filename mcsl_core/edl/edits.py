@@ -1,4 +1,4 @@
-"""Changes to a whole EDL: decisions carried over to a new analysis, the look switched, media paths rebased."""
+"""Changes to a whole EDL: decisions carried over to a new analysis, look and field changed, media paths rebased."""
 
 from __future__ import annotations
 
@@ -11,21 +11,24 @@ import attrs
 from mcsl_core.errors import DocumentError, Fault
 from mcsl_core.timing import FrameRange
 
+from .field import DrawnField, Polygons
 from .schema import Edl, Override
 
 
 def carry_over(old: Edl, new: Edl) -> Edl:
-    """``new`` (a fresh analysis) with the editor's decisions of ``old``: overrides, corrections and look.
+    """``new`` (a fresh analysis) with the editor's decisions of ``old``: overrides, corrections, drawn fields and look.
 
     Raises
     ------
     DocumentError
         Where the rate differs (the same frame numbers would be other times), an override names a camera that is gone,
-        or one reaches past the new end.
+        one reaches past the new end, or a field was drawn in another camera's perspective.
     """
+    check_drawn(old, new.reference)
     names = {c.name for c in new.cameras}
     decided = [(f"overrides[{i}]", o.camera, o.range) for i, o in enumerate(old.overrides)]
     decided += [(f"corrections[{i}]", c.camera, c.range) for i, c in enumerate(old.corrections)]
+    decided += [(f"drawn_fields[{i}]", None, f.range) for i, f in enumerate(old.drawn_fields)]
     if decided and old.rate != new.rate:
         raise DocumentError(
             f"the overrides count frames at {old.rate} per second, the new analysis at {new.rate}",
@@ -42,7 +45,17 @@ def carry_over(old: Edl, new: Edl) -> Edl:
                 f"{at} ends at frame {piece.stop}, after the new end {new.frames}",
                 remedy=f"Analyse the whole recording, or shorten {at} in the old EDL",
             )
-    return attrs.evolve(new, overrides=old.overrides, corrections=old.corrections, look=old.look)
+    kept = {name: getattr(old, name) for name in ("overrides", "corrections", "drawn_fields", "look")}
+    return attrs.evolve(new, **kept)
+
+
+def check_drawn(old: Edl, reference: str) -> None:
+    """DocumentError where the fields drawn in ``old`` are not of the perspective of the camera ``reference``."""
+    if old.drawn_fields and old.reference != reference:
+        raise DocumentError(
+            f"drawn_fields[0] is drawn in the perspective of {old.reference!r}, the new analysis takes {reference!r}'s",
+            remedy=f"Analyse with --reference {old.reference}, or take the field away: mcsl field EDL --clear",
+        )
 
 
 def merged(base: Edl, mine: Edl, theirs: Edl) -> Edl:
@@ -53,7 +66,8 @@ def merged(base: Edl, mine: Edl, theirs: Edl) -> Edl:
     DocumentError
         Where both changed the same and it cannot hold both, or frames count differently now.
     """
-    if theirs.rate != base.rate and (mine.overrides, mine.corrections) != (base.overrides, base.corrections):
+    counted = ("overrides", "corrections", "drawn_fields")
+    if theirs.rate != base.rate and any(getattr(mine, name) != getattr(base, name) for name in counted):
         raise _conflict("rate")
     names = [field.name for field in attrs.fields(Edl)]
     try:
@@ -74,7 +88,7 @@ def _one_of(name: str, base: Any, mine: Any, theirs: Any) -> Any:
     if name == "look":
         parts = [field.name for field in attrs.fields(type(base))]
         return type(base)(**{n: _one_of(n, *(getattr(look, n) for look in (base, mine, theirs))) for n in parts})
-    if name in ("overrides", "corrections") and mine[: len(base)] == base:
+    if name in ("overrides", "corrections", "drawn_fields") and mine[: len(base)] == base:
         return (*theirs, *mine[len(base) :])
     raise _conflict(name)
 
@@ -117,6 +131,37 @@ def change_look(
         return edl
     override = attrs.evolve(Override(piece or FrameRange(0, edl.frames), offset=offset), **(aids if piece else {}))
     return attrs.evolve(edl, overrides=(*edl.overrides, override))
+
+
+def draw_field(edl: Edl, polygons: Polygons, piece: FrameRange | None = None, note: str = "") -> Edl:
+    """``edl`` with the field drawn as ``polygons`` over ``piece`` (everything, without), in place of what was there.
+
+    Raises
+    ------
+    Fault
+        Where a polygon is none, or nothing of them lies in the programme's picture.
+    """
+    drawn = DrawnField(piece or FrameRange(0, edl.frames), polygons, note)
+    width, height = edl.size
+    for index, polygon in enumerate(polygons):
+        x, y = zip(*polygon, strict=True)
+        if max(x) < 0 or max(y) < 0 or min(x) > width - 1 or min(y) > height - 1:
+            raise Fault(f"lies outside of the programme's {width}x{height} pixels", f".polygons[{index}]")
+    return attrs.evolve(edl, drawn_fields=(*clear_field(edl, drawn.range).drawn_fields, drawn))
+
+
+def clear_field(edl: Edl, piece: FrameRange | None = None) -> Edl:
+    """``edl`` with nothing drawn over ``piece`` (anywhere, without): there the field is found again."""
+    if piece is None:
+        return attrs.evolve(edl, drawn_fields=())
+    left = []
+    for drawn in edl.drawn_fields:
+        ends = [
+            (drawn.range.start, min(drawn.range.stop, piece.start)),
+            (max(drawn.range.start, piece.stop), drawn.range.stop),
+        ]
+        left += [attrs.evolve(drawn, range=FrameRange(start, stop)) for start, stop in ends if start < stop]
+    return attrs.evolve(edl, drawn_fields=tuple(left))
 
 
 def rebased(edl: Edl, old: Path, new: Path) -> Edl:

@@ -17,30 +17,31 @@ from attrs.validators import optional
 
 from mcsl_core.documents import AtMost, Bounds, NotEmpty, doc, key_path
 from mcsl_core.errors import Fault
-from mcsl_core.input_files import name_fault
 from mcsl_core.timing import FrameRange, check_rate, check_tiles
+
+from .checks import (
+    FRAMES,
+    LONGEST_S,
+    MOST_CAMERAS,
+    MOST_DECISIONS,
+    MOST_DRAWN,
+    MOST_FILES,
+    MOST_POSES,
+    NOT_NEGATIVE,
+    NUMBERS,
+    SECONDS,
+    SIDES,
+    UNIT,
+    FileName,
+    require,
+)
+from .field import DrawnField, FieldStretch
 
 Matrix = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 Matrix34 = tuple[
     tuple[float, float, float, float], tuple[float, float, float, float], tuple[float, float, float, float]
 ]
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-# What is taken, so that nobody's document fills the memory or never ends: each is beyond any operation.
-MOST_FRAMES = 50_000_000  # two days at 240 frames/s have 41 million
-LONGEST_S = 48 * 3600
-LARGEST_SIDE = 16_384
-MOST_CAMERAS, MOST_FILES, MOST_POSES, MOST_DECISIONS = 256, 10_000, 10_000, 100_000
-UNIT = Bounds(0, 1)
-FRAMES = Bounds(1, MOST_FRAMES)
-SIDES = Bounds(1, LARGEST_SIDE)
-NOT_NEGATIVE = Bounds(0)
-NUMBERS = Bounds(-10_000_000, 10_000_000)  # of matrices and shifts in pixels; their products stay finite
-SECONDS = Bounds(-(10**11), 10**11)  # epoch times in milliseconds as well
-
-
-def _require(condition: bool, what: str, at: str) -> None:
-    if not condition:
-        raise Fault(what, at)
 
 
 def _positive_rate(_: Any, attribute: attrs.Attribute[Any], value: Fraction) -> None:
@@ -52,27 +53,17 @@ def _positive_rate(_: Any, attribute: attrs.Attribute[Any], value: Fraction) -> 
 
 def _pair(_: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
     numbers = isinstance(value, tuple) and len(value) == 2 and all(isinstance(each, Real) for each in value)
-    _require(numbers, f"expected two numbers, got {value!r}", f".{attribute.name}")
+    require(numbers, f"expected two numbers, got {value!r}", f".{attribute.name}")
 
 
 def _check_matrix(matrix: Matrix, at: str) -> None:
     shape_is_right = isinstance(matrix, tuple) and [len(row) for row in matrix] == [3, 3, 3]
-    _require(shape_is_right, f"must be a tuple of three rows of three numbers, got {matrix!r}", at)
+    require(shape_is_right, f"must be a tuple of three rows of three numbers, got {matrix!r}", at)
     NUMBERS.check(matrix, at)
     (a, b, c), (d, e, f), (g, h, i) = matrix
-    _require(abs(i - 1) < 1e-9, f"must be scaled so that its last element is 1, got {i}", f"{at}[2][2]")
+    require(abs(i - 1) < 1e-9, f"must be scaled so that its last element is 1, got {i}", f"{at}[2][2]")
     determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
-    _require(abs(determinant) > 1e-12, "is singular: it maps the picture to a line or a point", at)
-
-
-@frozen
-class FileName(NotEmpty):
-    """Validator: a text that can be the path of a file."""
-
-    def __call__(self, _instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
-        super().__call__(_instance, attribute, value)
-        fault = name_fault(value)
-        _require(not fault, fault, f".{attribute.name}")
+    require(abs(determinant) > 1e-12, "is singular: it maps the picture to a line or a point", at)
 
 
 @frozen
@@ -217,7 +208,7 @@ class Override:
     def __attrs_post_init__(self) -> None:
         for name in ("centering", "fill", "colour"):
             value = getattr(self, name)
-            _require(value is None or isinstance(value, bool), f"expected true or false, got {value!r}", f".{name}")
+            require(value is None or isinstance(value, bool), f"expected true or false, got {value!r}", f".{name}")
 
 
 @frozen
@@ -286,6 +277,18 @@ class Edl:
         validator=AtMost(MOST_POSES),
         metadata=doc("alignment corrected by hand; analysis keeps it; of two, the later in the list", optional=True),
     )
+    fields: tuple[FieldStretch, ...] = field(
+        default=(),
+        validator=AtMost(MOST_POSES),
+        metadata=doc("where the analysis took the surgical field to lie, in order", optional=True),
+    )
+    drawn_fields: tuple[DrawnField, ...] = field(
+        default=(),
+        validator=AtMost(MOST_DRAWN),
+        metadata=doc(
+            "the field drawn by hand; analysis keeps and uses it; of two, the later in the list", optional=True
+        ),
+    )
     look: Look = field(factory=Look, metadata=doc("visual aids for the whole programme"))
     centering: tuple[CenteringKey, ...] = field(
         default=(),
@@ -298,7 +301,7 @@ class Edl:
 
     def __attrs_post_init__(self) -> None:
         lasts_s = self.frames / self.rate
-        _require(lasts_s <= LONGEST_S, f"{float(lasts_s):.6g} s are longer than two days", ".frames")
+        require(lasts_s <= LONGEST_S, f"{float(lasts_s):.6g} s are longer than two days", ".frames")
         self._check_cameras()
         self._check_movements()
         self._check_poses()
@@ -306,8 +309,8 @@ class Edl:
         last = -1
         for index, (frame, dx, dy) in enumerate(self.centering):
             at = f".centering[{index}]"
-            _require(0 <= frame < self.frames, f"frame {frame} is outside [0, {self.frames})", f"{at}[0]")
-            _require(frame > last, f"keys must rise, got frame {frame} after {last}", f"{at}[0]")
+            require(0 <= frame < self.frames, f"frame {frame} is outside [0, {self.frames})", f"{at}[0]")
+            require(frame > last, f"keys must rise, got frame {frame} after {last}", f"{at}[0]")
             NUMBERS.check(dx, f"{at}[1]")
             NUMBERS.check(dy, f"{at}[2]")
             last = frame
@@ -316,7 +319,7 @@ class Edl:
         seen: set[str] = set()
         for index, camera in enumerate(self.cameras):
             at = f".cameras[{index}]"
-            _require(camera.name not in seen, f"a camera before it is also called {camera.name!r}", f"{at}.name")
+            require(camera.name not in seen, f"a camera before it is also called {camera.name!r}", f"{at}.name")
             seen.add(camera.name)
             self._check_ordered(camera.gaps, lambda i, at=at: f"{at}.gaps[{i}]")
         self._check_names([(".reference", self.reference)])
@@ -333,11 +336,11 @@ class Edl:
                 self._check_names((f"{at}.{part}{key_path(name)}", name) for name in getattr(pose, part))
             self._check_names((f"{at}.weak[{i}].camera", w.camera) for i, w in enumerate(pose.weak))
             missing = [n for n in names if n not in pose.homographies and n not in pose.weak_cameras]
-            _require(not missing, f"lacks {', '.join(missing)}, not weak either", f"{at}.homographies")
+            require(not missing, f"lacks {', '.join(missing)}, not weak either", f"{at}.homographies")
             own = pose.homographies.get(self.reference)
             own_path = f"{at}.homographies{key_path(self.reference)}"
-            _require(own is not None, "the reference camera has no homography; it is the identity", own_path)
-            _require(own == IDENTITY, "the reference camera's own homography must be the identity", own_path)
+            require(own is not None, "the reference camera has no homography; it is the identity", own_path)
+            require(own == IDENTITY, "the reference camera's own homography must be the identity", own_path)
 
     def _check_decisions(self) -> None:
         check_tiles((s.range for s in self.shots), self.frames, "shots")
@@ -347,6 +350,9 @@ class Edl:
             if override.camera is not None:
                 self._check_names([(f"{at}.camera", override.camera)])
             self._check_inside(override.range, f"{at}.range")
+        self._check_ordered([f.range for f in self.fields], lambda i: f".fields[{i}].range")
+        for index, drawn in enumerate(self.drawn_fields):
+            self._check_inside(drawn.range, f".drawn_fields[{index}].range")
         for index, correction in enumerate(self.corrections):
             at = f".corrections[{index}]"
             self._check_names([(f"{at}.camera", correction.camera)])
@@ -355,16 +361,16 @@ class Edl:
     def _check_names(self, uses: Iterable[tuple[str, str]]) -> None:
         names = [c.name for c in self.cameras]
         for at, name in uses:
-            _require(name in names, f"{name!r} is not a camera, expected one of {', '.join(names)}", at)
+            require(name in names, f"{name!r} is not a camera, expected one of {', '.join(names)}", at)
 
     def _check_inside(self, piece: FrameRange, at: str) -> None:
-        _require(piece.stop <= self.frames, f"{piece} ends after the programme's {self.frames} frames", at)
+        require(piece.stop <= self.frames, f"{piece} ends after the programme's {self.frames} frames", at)
 
     def _check_ordered(self, pieces: Iterable[FrameRange], at: Callable[[int], str]) -> None:
         last = 0
         for index, piece in enumerate(pieces):
             self._check_inside(piece, at(index))
-            _require(piece.start >= last, f"{piece} begins before the one before it ends at {last}", at(index))
+            require(piece.start >= last, f"{piece} begins before the one before it ends at {last}", at(index))
             last = piece.stop
 
     def camera(self, name: str) -> Camera:

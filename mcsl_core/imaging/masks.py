@@ -5,6 +5,8 @@ Masks are (H, W), bool or uint8 (0 and 255) as each function says; sizes are (wi
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -104,6 +106,24 @@ def close_gaps(mask: Mask, *, gap: float = 0.05) -> Mask:
     filled = np.zeros(mask.shape, np.uint8)
     cv2.drawContours(filled, outlines, -1, 1, cv2.FILLED)
     return filled > 0
+
+
+def polygon_mask(polygons: Iterable[NDArray[np.float64]], size: tuple[int, int]) -> Mask:
+    """What lies in any of some polygons, each (N, 2) pixels (x, y), of a picture of ``size`` (width, height)."""
+    filled = np.zeros((size[1], size[0]), np.uint8)
+    for polygon in polygons:
+        shift = 4  # sixteenths of a pixel
+        corners = np.round(np.clip(polygon, -1e5, 1e5) * (1 << shift)).astype(np.int32)
+        cv2.fillPoly(filled, [corners], 1, shift=shift)
+    return filled > 0
+
+
+def outlines(mask: Mask, *, near: float = 0.75) -> list[NDArray[np.float64]]:
+    """The outlines of the regions of ``mask`` without holes, each (N, 2), to ``near`` pixels; the largest first."""
+    found, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    simple = [cv2.approxPolyDP(outline, near, True).reshape(-1, 2).astype(np.float64) for outline in found]
+    whole = [outline for outline in simple if len(outline) >= 3 and cv2.contourArea(outline.astype(np.float32)) > 1]
+    return sorted(whole, key=lambda outline: -cv2.contourArea(outline.astype(np.float32)))
 
 
 def convex_hull(mask: Mask) -> Mask:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 
+import attrs
 import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
@@ -80,7 +81,7 @@ class ScoringSegment:
 def scoring_segments(
     samples: SampleStore, solved: Sequence[SolvedPose], movements: Sequence[Movement], detector: OcclusionDetector
 ) -> tuple[ScoringSegment, ...]:
-    """Cuts every pose into segments of about `SEGMENT_SAMPLES` samples.
+    """Cuts every pose where its field changes, and into segments of about `SEGMENT_SAMPLES` samples.
 
     Parameters
     ----------
@@ -101,12 +102,15 @@ def scoring_segments(
     segments = []
     for pose in solved:
         still = samples.standing(pose.pose.range, movements)
-        if not still:
-            continue
-        parts = np.array_split(np.array(still), max(1, round(len(still) / SEGMENT_SAMPLES)))
-        edges = [pose.pose.range.start, *(samples.frames[int(part[0])] for part in parts[1:]), pose.pose.range.stop]
-        for part, start, stop in zip(parts, edges, edges[1:], strict=False):
-            views = SegmentSamples(samples, pose.aligned, part)
+        parts = [
+            (part, attrs.evolve(pose.aligned, field=mask))
+            for piece, mask, _ in pose.fields()
+            if (own := [position for position in still if samples.frames[position] in piece])
+            for part in np.array_split(np.array(own), max(1, round(len(own) / SEGMENT_SAMPLES)))
+        ]
+        edges = [pose.pose.range.start, *(samples.frames[int(part[0])] for part, _ in parts[1:]), pose.pose.range.stop]
+        for (part, aligned), start, stop in zip(parts, edges, edges[1:], strict=False):
+            views = SegmentSamples(samples, aligned, part)
             segments.append(ScoringSegment(FrameRange(start, stop), views, detector))
     return tuple(segments)
 

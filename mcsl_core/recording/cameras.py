@@ -9,7 +9,7 @@ from math import floor
 from pathlib import Path
 
 from mcsl_core.edl import Camera, Media
-from mcsl_core.edl.schema import LONGEST_S, MOST_FRAMES
+from mcsl_core.edl.checks import LONGEST_S, MOST_FRAMES
 from mcsl_core.errors import Fault, InputError, UsageError
 from mcsl_core.media.facts import MediaFacts
 from mcsl_core.media.probing import probe

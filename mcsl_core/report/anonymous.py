@@ -28,6 +28,7 @@ def nameless(edl: Edl, measured: Measurements | None) -> tuple[Edl, Measurements
         shots=tuple(attrs.evolve(shot, camera=names[shot.camera], why="") for shot in edl.shots),
         overrides=tuple(attrs.evolve(o, camera=o.camera and names[o.camera], note="") for o in edl.overrides),
         corrections=tuple(attrs.evolve(c, camera=names[c.camera], note="") for c in edl.corrections),
+        drawn_fields=tuple(attrs.evolve(drawn, note="") for drawn in edl.drawn_fields),
     )
     if measured is None:
         return made, None

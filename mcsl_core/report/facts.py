@@ -15,6 +15,7 @@ from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.timing import FrameRange
 
 from .charts import Bar, Tick, bar, binned, bounds, coordinate, curve_path, short_time, time_ticks, x_of
+from .field_words import field_lines, scored, seen_of
 from .headline import Tile, headline
 
 
@@ -148,6 +149,10 @@ class Facts:
         In order.
     clocks : tuple of ClockFacts
         By camera.
+    seen : str
+        What the cameras' shares are shares of.
+    fields : tuple of str
+        Where the surgical field lies when; empty where the EDL does not tell.
     """
 
     tiles: tuple[Tile, ...]
@@ -166,6 +171,8 @@ class Facts:
     poses: tuple[PoseFacts, ...]
     weak: tuple[str, ...]
     clocks: tuple[ClockFacts, ...]
+    seen: str
+    fields: tuple[str, ...]
 
 
 def gather(edl: Edl, measured: Measurements | None) -> Facts:
@@ -212,6 +219,8 @@ def gather(edl: Edl, measured: Measurements | None) -> Facts:
         poses=tuple(_pose(edl, index, colours, times) for index in range(len(edl.poses))),
         weak=tuple(f"{w.camera}, {times.span(pose.range)}: {w.reason}" for pose in edl.poses for w in pose.weak),
         clocks=tuple(_clock(edl, camera, colours[camera.name], times) for camera in edl.cameras),
+        seen=seen_of(edl),
+        fields=field_lines(edl, times.span),
     )
 
 
@@ -304,7 +313,8 @@ def _lane(
         x, y = binned(scores.frames, values, edl.frames)
         curve = curve_path(x, y, edl.frames, 0, 1)
         filled = curve_path(x, y, edl.frames, 0, 1, closed=True)
-        visible = "" if np.isnan(values).all() else f"{float(np.nanmean(values)):.0%}"
+        told = values[scored(edl, scores)[0]]
+        visible = "" if np.isnan(told).all() else f"{float(np.nanmean(told)):.0%}"
     share = sum(len(p) for p in mine) / edl.frames
     return Lane(camera.name, colour, chosen, gaps, curve, filled, f"{share:.0%}", visible)
 

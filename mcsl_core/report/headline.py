@@ -6,10 +6,12 @@ import numpy as np
 from attrs import frozen
 
 from mcsl_core.edl import Edl
+from mcsl_core.edl.field import MIDDLE
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.occlusion.score_table import ScoreTable
 
 from .charts import short_time
+from .field_words import FIELD, scored
 
 
 @frozen
@@ -54,18 +56,19 @@ def headline(edl: Edl, scores: ScoreTable | None) -> Headline:
     Headline
     """
     shown, best = visible_field(edl, scores)
+    seen = FIELD if scores is None else scored(edl, scores)[1]
     weak = list(dict.fromkeys(weak.camera for pose in edl.poses for weak in pose.weak))
     tiles = [
         Tile(short_time(_seconds(edl)), "long", f"{edl.size[0]}x{edl.size[1]}, {float(edl.rate):.5g} frames/s"),
         Tile(str(len(edl.cameras)), _plural(len(edl.cameras), "camera"), f"{edl.reference} is the reference"),
         _movements(edl),
         _switches(edl),
-        _visible(shown, best),
+        _visible(shown, best, seen),
         Tile(str(len(weak)), _plural(len(weak), "weak camera"), ", ".join(weak) or "every view tied in"),
     ]
     if edl.overrides:
         tiles.append(_overrides(edl))
-    return Headline(tuple(tiles), _verdict(edl, shown, best, weak))
+    return Headline(tuple(tiles), _verdict(edl, shown, best, (seen, weak)))
 
 
 def visible_field(edl: Edl, scores: ScoreTable | None) -> tuple[float | None, float | None]:
@@ -81,12 +84,13 @@ def visible_field(edl: Edl, scores: ScoreTable | None) -> tuple[float | None, fl
     Returns
     -------
     shown, best : float or None
-        0..1, over the samples in which both are known; None without any.
+        0..1, over the samples in which both are known; None without any. Of the field where it is known at some time,
+        else of the middle of the picture; see `scored`.
     """
     if scores is None or not len(scores.frames):
         return None, None
     shown = scores.visible[np.arange(len(scores.frames)), _columns(edl, scores)]
-    known = ~np.isnan(shown)
+    known = ~np.isnan(shown) & scored(edl, scores)[0]
     if not known.any():
         return None, None
     return float(shown[known].mean()), float(np.nanmax(scores.visible[known], axis=1).mean())
@@ -113,8 +117,8 @@ def _switches(edl: Edl) -> Tile:
     return Tile(str(count), _plural(count, "switch", "switches"), pace)
 
 
-def _visible(shown: float | None, best: float | None) -> Tile:
-    label = "of the field visible"
+def _visible(shown: float | None, best: float | None, seen: str) -> Tile:
+    label = "of the field visible" if seen == FIELD else f"of the {seen} visible"
     if shown is None:
         return Tile("?", label)
     return Tile(f"{shown:.0%}", label, f"{min(1.0, shown / best):.0%} of what the best camera shows" if best else "")
@@ -126,12 +130,16 @@ def _overrides(edl: Edl) -> Tile:
     return Tile(str(count), _plural(count, "override"), f"{short_time(float(frames / edl.rate))} by the editor")
 
 
-def _verdict(edl: Edl, shown: float | None, best: float | None, weak: list[str]) -> str:
+def _verdict(edl: Edl, shown: float | None, best: float | None, told: tuple[str, list[str]]) -> str:
+    seen, weak = told
     cameras = f"{len(edl.cameras)} {_plural(len(edl.cameras), 'camera')}"
     text = f"{short_time(_seconds(edl))} from {cameras}, in the perspective of {edl.reference}."
     if shown is not None and best is not None:
-        text += f" The views shown leave {shown:.0%} of the surgical field free;"
+        text += f" The views shown leave {shown:.0%} of the {seen} free;"
         text += f" the best one at every moment would leave {best:.0%}."
+    if any(stretch.by == MIDDLE for stretch in edl.fields):
+        when = "" if seen != FIELD else " at times"
+        text += f" Nothing shows{when} where the surgical field lies: draw it with mcsl field."
     if weak:
         text += f" Check {', '.join(weak)}: not tied to the other views everywhere."
     changes = sum(a.perspective != b.perspective for a, b in zip(edl.poses, edl.poses[1:], strict=False))

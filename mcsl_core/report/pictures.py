@@ -29,6 +29,8 @@ from mcsl_core.progress import Progress
 from mcsl_core.recording.footage import Footage
 from mcsl_core.timing import FrameRange
 
+from .field_picture import field_at, outlined
+
 WIDTH = 480  # of the pictures: sharp enough to see a ghost of two pixels in 640, 20 to 40 kB each
 _QUALITY = 80
 
@@ -45,8 +47,8 @@ class PosePictures:
         The programme frame.
     camera : str
         The chosen camera.
-    before, after, programme : str
-        The pictures as data URLs.
+    before, after, programme, field : str
+        The pictures as data URLs; the last one, of the field's outline, empty where the EDL does not tell it.
     views : int
         How many cameras lie in ``after``.
     size : (int, int)
@@ -61,6 +63,7 @@ class PosePictures:
     before: str
     after: str
     programme: str
+    field: str
     views: int
     size: tuple[int, int]
     shares: Mapping[str, float]
@@ -151,10 +154,21 @@ def _of_pose(
         before=data_url(superimposed(pictures, plain, edl.size)),
         after=data_url(superimposed(pictures, aligned, edl.size)),
         programme=data_url(planes_to_bgr(next(iter(compositor.frames(FrameRange(frame, frame + 1)))))),
+        field=_field(edl, frame, pictures, aligned),
         views=len(tied),
         size=edl.size,
         shares={name: shares[name] for name in order if shares[name] >= 0.005},
     )
+
+
+def _field(edl: Edl, frame: int, pictures: Mapping[str, Picture], aligned: Mapping[str, NDArray]) -> str:
+    """The field's outline on what the reference camera sees, or the first camera that has a picture."""
+    stretch = field_at(edl, frame)
+    name = edl.reference if edl.reference in aligned else next(iter(aligned), None)
+    if stretch is None or name is None:
+        return ""
+    laid = cv2.warpPerspective(pictures[name], aligned[name], edl.size, flags=cv2.INTER_LINEAR)
+    return data_url(outlined(laid, stretch))  # pyright: ignore[reportArgumentType]
 
 
 def superimposed(pictures: Mapping[str, Picture], matrices: Mapping[str, NDArray], size: tuple[int, int]) -> Picture:

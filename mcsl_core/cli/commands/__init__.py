@@ -7,6 +7,7 @@ from .blender import blender_group
 from .conform import conform
 from .demo import demo
 from .evaluate import evaluate
+from .field import field
 from .look import look
 from .plugin import plugin_group
 from .plugins import list_plugins
@@ -20,6 +21,7 @@ COMMANDS: tuple[click.Command, ...] = (
     simulate,
     analyse,
     timeline,
+    field,
     look,
     pull,
     conform,

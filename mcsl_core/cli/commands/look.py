@@ -1,10 +1,8 @@
-"""`mcsl look`, and its words: ranges and shifts as people write them, and how the aids stand."""
+"""`mcsl look`, and its words: shifts as people write them, and how the aids stand."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from fractions import Fraction
-from math import ceil
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +12,12 @@ import click
 from mcsl_core import edl as edls
 from mcsl_core.cli.options import PATH, allow_outside
 from mcsl_core.cli.output import Session
+from mcsl_core.cli.stretches import stretch
 from mcsl_core.edl import Edl, Override
 from mcsl_core.edl.edits import change_look
 from mcsl_core.errors import Fault, UsageError
 from mcsl_core.outputs.locks import changing
-from mcsl_core.timing import FrameRange, format_time, parse_time
+from mcsl_core.timing import format_time
 
 AIDS = ("centering", "fill", "colour")
 
@@ -38,31 +37,13 @@ def change_file(
 
 
 def _changed(edl: Edl, centre: str | None, start: str | None, stop: str | None, aids: Mapping[str, bool | None]) -> Edl:
-    piece = None
-    if start is not None or stop is not None:
-        if centre is None and all(value is None for value in aids.values()):
-            raise UsageError("a stretch is named, but nothing to switch there", remedy="See: mcsl look --help")
-        first = 0 if start is None else ceil(_seconds(start) * edl.rate)
-        last = edl.frames if stop is None else min(edl.frames, ceil(_seconds(stop) * edl.rate))
-        try:
-            piece = FrameRange(first, last)
-        except Fault:
-            length = format_time(edl.frames / edl.rate)
-            raise UsageError(
-                f"from {start or '0'} to {stop or 'the end'} there is no frame",
-                remedy=f"The programme lasts {length}; give --from before --to",
-            ) from None
+    if (start, stop) != (None, None) and centre is None and all(value is None for value in aids.values()):
+        raise UsageError("a stretch is named, but nothing to switch there", remedy="See: mcsl look --help")
+    piece = stretch(edl, start, stop)
     try:
         return change_look(edl, offset=None if centre is None else _pair(centre), piece=piece, **aids)
     except Fault as fault:
         raise UsageError(f"--centre {centre}: {fault.what}", remedy="Write pixels right and down: 40,-25") from fault
-
-
-def _seconds(text: str) -> Fraction:
-    try:
-        return parse_time(text)
-    except ValueError as error:
-        raise UsageError(str(error), remedy="Write 1:02:03.5, 2:30 or seconds") from None
 
 
 def _pair(text: str) -> tuple[float, float]:

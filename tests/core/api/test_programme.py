@@ -274,3 +274,36 @@ def test_what_is_no_edl_is_refused_when_it_is_opened(tmp_path: Path) -> None:
     (tmp_path / "e.json").write_text("{}", "utf-8")
     with pytest.raises(DocumentError, match=r"e\.json"):
         mcsl.open(tmp_path / "e.json")
+
+
+# ----------------------------------------------------------------------------------------------- the surgical field
+
+
+def test_the_field_is_drawn_told_and_taken_away(programme) -> None:
+    assert programme.field_mask(3) is None, "an EDL of before does not tell it"
+    corners = [[40, 30], [80, 30], [80, 90], [40, 90]]
+    programme.set_field(corners, (0, 12), note="wound")
+    assert not programme.is_saved
+    mask = programme.field_mask(3)
+    assert mask.shape == (180, 320)
+    assert mask[60, 60]
+    assert mask.sum() == pytest.approx(41 * 61, rel=0.02)
+    assert programme.field_mask(12) is None
+    programme.set_field([np.array(corners) + 100, corners])
+    assert programme.field_mask(15)[60, 60]
+    assert programme.field_mask(15)[160, 160]
+    programme.clear_field((0, 10))
+    assert programme.field_mask(3) is None
+    programme.save()
+    assert [drawn.range for drawn in mcsl.open(programme.path).edl.drawn_fields] == [FrameRange(10, FRAMES)]
+
+
+@pytest.mark.parametrize(
+    "wrong", [[], [[1, 2], [3, 4]], [[1, 2, 3]] * 3, 7, "abc", [[999, 999], [1200, 999], [999, 1200]]]
+)
+def test_what_is_no_field_is_refused_and_changes_nothing(programme, wrong) -> None:
+    with pytest.raises(UsageError, match="this is no field"):
+        programme.set_field(wrong)
+    with pytest.raises(UsageError, match="there is no frame"):
+        programme.set_field([[40, 30], [80, 30], [80, 90]], (0, 900))
+    assert programme.is_saved
