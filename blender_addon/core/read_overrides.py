@@ -20,7 +20,7 @@ from typing import Any, Literal
 import attrs
 from attrs import frozen
 
-from mcsl_core.edl import Edl, Override
+from mcsl_core.edl import DrawnField, Edl, Override
 from mcsl_core.errors import InputError
 from mcsl_core.timing import FrameRange
 
@@ -76,6 +76,8 @@ class SequencerState:
         The automatic choice that the timeline was built from; None where it is not known: then the EDL's holds.
     look
         What was switched for the whole programme: centering, fill or colour, and to what.
+    drawn_fields
+        The surgical field drawn by hand, over the whole programme; None where the EDL's holds.
     notes
         What was seen and is not read, for a person.
     scene, films, tracks
@@ -86,6 +88,7 @@ class SequencerState:
     cameras: tuple[FoundCamera, ...]
     automatic: tuple[tuple[FrameRange, str], ...] | None = None
     look: tuple[tuple[str, bool], ...] = ()
+    drawn_fields: tuple[DrawnField, ...] | None = None
     notes: tuple[str, ...] = ()
     scene: SceneTime | None = None
     films: tuple[FoundFilm, ...] = ()
@@ -103,6 +106,8 @@ def read_edl(edl: Edl, state: SequencerState) -> Edl:
     shots = (FoundShot(s.id, s.name, s.start, s.stop) for s in state.strips if s.id)
     check_times(edl, state.scene, state.films, shots, state.tracks)
     edl = attrs.evolve(edl, look=attrs.evolve(edl.look, **dict(state.look)))
+    if state.drawn_fields is not None:
+        edl = attrs.evolve(edl, drawn_fields=state.drawn_fields)
     return attrs.evolve(edl, overrides=read_overrides(edl, state), corrections=read_corrections(edl, state.cameras))
 
 

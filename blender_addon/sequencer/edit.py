@@ -15,7 +15,7 @@ from mcsl_core.errors import BlenderError, InputError
 from ..core.multicam import Switch
 from ..core.read_overrides import AUTOMATIC
 from ..core.revert import Setting
-from .scene_properties import CENTRE, GIVEN_NAME, LOOK_FOR_ALL, LOOK_OF_SHOT, given_name
+from .scene_properties import CENTRE, DRAWN_FIELDS, GIVEN_NAME, LOOK_FOR_ALL, LOOK_OF_SHOT, given_name
 
 HIGHEST_CHANNEL = 128  # Blender has no more
 OVERRIDDEN_COLOUR = "COLOR_03"  # yellow: an editor's decision
@@ -135,7 +135,7 @@ def clear_strip_decisions(scene: Any) -> None:
     for strip in scene.sequence_editor.strips:
         if strip.type == "MULTICAM":
             _clear_decisions(strip)
-    for name in LOOK_FOR_ALL.values():
+    for name in (DRAWN_FIELDS, *LOOK_FOR_ALL.values()):
         scene.pop(name, None)
 
 

@@ -73,7 +73,7 @@ def refresh(request: RefreshRequest, progress: JsonLines) -> BuiltTimeline:
 
 
 def read(request: ReadRequest, progress: JsonLines) -> ReadDecisions:
-    """The overrides, corrections and look of the EDL that the .blend names, after the editor's work.
+    """The overrides, corrections, look and drawn fields of the EDL that the .blend names, after the editor's work.
 
     The .blend stays as it is, but for conformed pictures that no longer show what was decided: they fall away.
     """
@@ -91,7 +91,8 @@ def read(request: ReadRequest, progress: JsonLines) -> ReadDecisions:
             )
         except InputError as error:  # what was decided can be read all the same
             progress.note(f"conformed pictures no longer show what was decided, and {error}")
-    return ReadDecisions(edl_path, new.overrides, new.corrections, new.look, changed=new != edl)
+    decided = (new.overrides, new.corrections, new.look, new.drawn_fields)
+    return ReadDecisions(edl_path, *decided, changed=new != edl)
 
 
 def render(request: RenderRequest, progress: JsonLines) -> RenderedVideo:

@@ -60,7 +60,11 @@ def analyse(
     chosen = _chosen(settings, plugins)
     place = EdlPlace.claimed(out, recording, settings.gaze, force=force)
     with place.held():
-        return _analysed(recording, place, settings, chosen, progress)
+        made = _analysed(recording, place, settings, chosen, progress)
+        tell_of_fields(made, progress)
+        if not edl.remember(made, out):
+            progress.note("that this EDL was made here cannot be remembered: other commands will want --allow-outside")
+    return made
 
 
 def _analysed(
@@ -122,9 +126,6 @@ def _analysed(
         made = attrs.evolve(made, centering=by["centerer"].centre(positions, size=made.size, rate=float(rate)))
         Measurements(table, detection.curve).save(place.scores)
         edl.save(made, out)
-    tell_of_fields(made, progress)
-    if not edl.remember(made, out):
-        progress.note("that this EDL was made here cannot be remembered: other commands will want --allow-outside")
     return made
 
 

@@ -17,7 +17,7 @@ from attrs import field, frozen
 
 from mcsl_core.delivery.presets import Preset
 from mcsl_core.documents import Bounds, doc, make_converter, structure_document
-from mcsl_core.edl import Correction, Look, Override
+from mcsl_core.edl import Correction, DrawnField, Look, Override
 from mcsl_core.errors import DocumentError, Fault
 from mcsl_core.timing import FrameRange
 
@@ -62,7 +62,8 @@ class ReadDecisions:
     overrides: tuple[Override, ...]
     corrections: tuple[Correction, ...]
     look: Look
-    changed: bool = field(metadata=doc("whether any of the three differs from the EDL"))
+    drawn_fields: tuple[DrawnField, ...]
+    changed: bool = field(metadata=doc("whether any of these differs from the EDL"))
 
 
 @frozen

@@ -127,8 +127,8 @@ def build_timeline(
 def pull_overrides(blend_path: Path, edl_out: Path | None = None, **how: Any) -> Edl:
     """Reads the editor's decisions into the EDL that the .blend names, or into a copy of it at ``edl_out``.
 
-    Nothing but overrides, corrections and the look changes; where nothing was decided anew, the file is left as it
-    is, to the byte. What others wrote into the EDL meanwhile stays. Takes what `pull_from` takes.
+    Nothing but overrides, corrections, drawn fields and the look changes; where nothing was decided anew, the file is
+    left as it is, to the byte. What others wrote into the EDL meanwhile stays. Takes what `pull_from` takes.
 
     Raises
     ------
@@ -179,7 +179,8 @@ def _put(decided: ReadDecisions, target: Path, blend: Path, force: bool) -> Edl:
     edl = edls.load(decided.edl)
     inputs = (*inputs_of(edl, decided.edl), blend)
     if decided.changed:
-        edl = attrs.evolve(edl, overrides=decided.overrides, corrections=decided.corrections, look=decided.look)
+        parts = ("overrides", "corrections", "look", "drawn_fields")
+        edl = attrs.evolve(edl, **{name: getattr(decided, name) for name in parts})
     if target.resolve() == decided.edl.resolve():
         if decided.changed:
             edls.save(edl, target)

@@ -3,9 +3,11 @@
 
 import bpy  # pyright: ignore[reportMissingImports]
 
-from . import analysis, decisions, delivery, look, recording, timeline
+from . import analysis, decisions, delivery, field, look, recording, timeline
 
-CLASSES = tuple(kind for part in (recording, analysis, timeline, decisions, look, delivery) for kind in part.CLASSES)
+CLASSES = tuple(
+    kind for part in (recording, analysis, timeline, decisions, look, field, delivery) for kind in part.CLASSES
+)
 
 
 def register() -> None:

@@ -99,7 +99,7 @@ class MCSL_OT_set_centre(bpy.types.Operator):
             return self._leave(context, {"CANCELLED"})
         if event.type != "LEFTMOUSE" or event.value != "PRESS":
             return {"RUNNING_MODAL"}
-        point = _in_preview(context, event)
+        point = in_preview(context, event)
         if point is None:
             return self._leave(context, {"CANCELLED"})
         self.x, self.y = point
@@ -132,7 +132,7 @@ class MCSL_OT_set_centre(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def _in_preview(context, event):
+def in_preview(context, event):
     """The programme pixel under the mouse, or None outside every preview."""
     scene = sequencer_scene(context)
     for area in context.screen.areas:

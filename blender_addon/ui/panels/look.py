@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import bpy  # pyright: ignore[reportMissingImports]
 
+from mcsl_core.edl.field import HAND, MIDDLE, awaits_analysis, fields_now
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.errors import McslError
 
@@ -53,7 +54,24 @@ class MCSL_PT_look(TimelinePanel, bpy.types.Panel):
             row.operator("mcsl.clear_centre", text="", icon="X")
             x, y = decision.offset
             layout.label(text=shown("Centre by hand: {x:+.0f}, {y:+.0f} pixels").format(x=x, y=y), translate=False)
+        _draw_field(layout, edl, frame)
         layout.operator("mcsl.reset_alignment", icon="LOOP_BACK")
+
+
+def _draw_field(layout, edl, frame):
+    """Where the surgical field lies at the playhead, and the way to draw it."""
+    held = next((stretch.by for stretch in fields_now(edl) if frame in stretch.range), "")
+    if held == HAND:
+        layout.label(text="Field: drawn by hand")
+    elif held == MIDDLE:
+        layout.label(text="Field: nothing shows it, the middle is taken")
+    row = layout.row(align=True)
+    row.operator("mcsl.draw_field", icon="GREASEPENCIL").more = False
+    if held == HAND:
+        row.operator("mcsl.draw_field", text="", icon="ADD").more = True
+        row.operator("mcsl.clear_field", text="", icon="X")
+    if awaits_analysis(edl):
+        layout.label(text="Analyse again to use the field", icon="INFO")
 
 
 CLASSES = (MCSL_PT_look,)

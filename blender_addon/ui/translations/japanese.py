@@ -42,6 +42,9 @@ JAPANESE: dict[str, str] = {
     "Conform first for exact pictures": "正確な映像にするには先にコンフォーム",
     "Decided by hand": "手動で決定",
     "By hand; the analysis chose {camera}": "手動で変更（解析の選択は {camera}）",
+    "Field: drawn by hand": "術野: 手描き",
+    "Field: nothing shows it, the middle is taken": "術野: 映像からは分かりません。中央を使います",
+    "Analyse again to use the field": "術野を使うにはもう一度解析してください",
     "Centre by hand: {x:+.0f}, {y:+.0f} pixels": "手動の中心: {x:+.0f}, {y:+.0f} ピクセル",
     "{camera}, {length}": "{camera}、長さ {length}",
     "{count} files": "{count} ファイル",
@@ -68,6 +71,8 @@ JAPANESE: dict[str, str] = {
     "Go to Override": "手動変更へ移動",
     "Revert to Automatic": "自動に戻す",
     "Set Look": "ルックを設定",
+    "Draw Field by Hand": "術野を手で描く",
+    "Find Field Automatically": "術野を自動で探す",
     "Set Centre by Hand": "中心を手動で設定",
     "Centre Automatically": "中心を自動に戻す",
     "Reset Alignment": "位置合わせを元に戻す",
@@ -156,6 +161,16 @@ JAPANESE: dict[str, str] = {
     "Pixels from the left of the picture": "画面の左からのピクセル数",
     "Pixels from the top of the picture": "画面の上からのピクセル数",
     "Centre the shot at the playhead by the analysis again": "再生ヘッドのショットの中心を、解析の結果に戻します",
+    "Click the corners of the surgical field in the preview; the next analysis aligns, scores and centres by it": (
+        "プレビューで術野の角をクリックします。次の解析は、それで位置合わせ・採点・センタリングをします"
+    ),
+    "Corners": "角",
+    "Pixels of the picture shown: x,y x,y x,y": "表示中の画面のピクセル: x,y x,y x,y",
+    "One More": "もう一つ",
+    "Beside what is drawn already, not in its place": "すでに描いたものに加えます（置き換えません）",
+    "Take the field that is drawn away: the next analysis finds it in the pictures again": (
+        "描いた術野を消します。次の解析は、また映像から術野を探します"
+    ),
     "Make the exact pictures of all that is outstanding, from the original files, and put them in place": (
         "未コンフォームの所の正確な映像を元のファイルから作り、タイムラインに置きます"
     ),
@@ -204,6 +219,13 @@ JAPANESE: dict[str, str] = {
     "automatic again; {count} overrides left": "自動に戻しました。残りの手動変更 {count} 件",
     "Open a preview beside the sequencer": "シーケンサーの横にプレビューを開いてください",
     "Click the middle of the field in the preview; Esc: leave it": "プレビューで術野の中央をクリック（Esc: やめる）",
+    "Click the corners of the field; Enter: done; Backspace: take the last back; Esc: leave it": (
+        "術野の角をクリック（Enter: 終わり、Backspace: 一つ戻す、Esc: やめる）"
+    ),
+    "Three corners or more make a field, in the picture and not in a line": (
+        "術野には、画面の中で一直線でない三つ以上の角が必要です"
+    ),
+    "The field is drawn: analyse again to use it": "術野を描きました。使うにはもう一度解析してください",
     "{seconds} show the preview, not the exact pictures: conform first for those": (
         "{seconds} は正確な映像ではなくプレビューです。先にコンフォームしてください"
     ),
