@@ -20,8 +20,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from mcsl_core.documents import make_converter, read_json, structure_document
 from mcsl_core.edl import IDENTITY, Edl, Matrix, Pose, Weak
+from mcsl_core.edl.checks import LARGEST_SIDE
 from mcsl_core.edl.resolve import resolve
-from mcsl_core.edl.schema import LARGEST_SIDE
 from mcsl_core.errors import DocumentError, Fault, InputError, UsageError
 from mcsl_core.imaging.geometry import to_edl_matrix
 from mcsl_core.tables import Grouping, number, read_table

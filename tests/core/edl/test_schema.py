@@ -123,6 +123,8 @@ REQUIRED = {
     ("overrides",): {"range"},
     ("corrections",): {"range", "camera", "matrix"},
     ("made_by",): {"mcsl"},
+    ("fields",): {"range", "by", "polygons"},
+    ("drawn_fields",): {"range", "polygons"},
 }
 
 
