@@ -210,8 +210,9 @@ def _detectors_head() -> list[str]:
         "## Detectors",
         "",
         "Score error: mean absolute difference from the true visible share, a sample a second while the lamp stands "
-        "(reach: 0.05). Then what the camera of the highest score shows in the samples, and what the programme of each "
-        "detector shows in all frames, over the best camera's.",
+        "(reach: 0.05); a picture may be half a second off its sample, which quick heads feel. "
+        "Then what the camera of the highest score shows in the samples, and what the programme of each detector shows "
+        "in all frames, over the best camera's.",
         "",
     ]
 

@@ -17,6 +17,7 @@ from mcsl_core.errors import UsageError
 from mcsl_core.imaging.planes import planes_to_bgr
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import FAMILIES, Scenario, load_truth, photograph, simulate, true_field
+from mcsl_core.simulation.backdrop import Backdrop
 from mcsl_core.simulation.clocks import clocks
 from mcsl_core.simulation.floor import DEPTH_MM, Floor
 from mcsl_core.simulation.ground import FIELD_HALF_MM, Ground
@@ -27,7 +28,7 @@ from mcsl_core.simulation.resting import resting_hands
 from mcsl_core.simulation.rig import PinholeCamera, Rig
 from mcsl_core.simulation.scene import Scene
 from mcsl_core.simulation.schedule import lamp_path, people
-from mcsl_core.simulation.surface import Site, Surface
+from mcsl_core.simulation.surface import HALF_MM, Site, Surface
 
 SMALL = Scenario(seed=11, duration_s=20, size=(320, 180), rate=8, movements=0, heads=0, hands=0, audio=False)
 
@@ -115,6 +116,22 @@ def test_every_point_of_a_steep_field_is_seen_by_every_camera(families):
                 along = pinhole.centre_mm + share * rays
                 below = scene.surface.height_at(along[:, :1], along[:, 1:2])[:, 0] - along[:, 2]
                 assert np.percentile(below, 99.5) < 1.0
+
+
+@pytest.mark.parametrize("families", [("limb",), ("limb", "narrow-field")])
+def test_a_steep_field_is_drawn_where_its_points_project(families):
+    scene, ground = staged(families=families, size=(640, 360), relief_mm=Scenario(families=families).relief_mm)
+    points = scene.surface.field_points_mm
+    for camera in range(5):
+        pinhole = scene.rig.pinhole(camera, scene.path.poses[0])
+        px = pinhole.project(points)
+        px = px[((px > 1) & (px < (638, 358))).all(1)].astype(np.float32)
+        maps = Backdrop(scene, ground, camera, np.ones(3))._maps(pinhole)
+        x, y = (cv2.remap(m, px[:, :1], px[:, 1:], cv2.INTER_LINEAR) * ground.pitch_mm - HALF_MM for m in maps)
+        drawn = pinhole.project(np.concatenate([x, y, scene.surface.height_at(x, y)], 1))
+        error = np.linalg.norm(drawn - px, axis=1)
+        assert np.median(error) < 0.05
+        assert error.max() < 0.5
 
 
 def test_a_limb_has_steep_sides_within_its_field():
