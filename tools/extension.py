@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Builds the Blender extension: one zip for Blender 4.5 LTS, 5.0 and 5.2 LTS, from the working tree and PyPI.
 
-    python tools/extension.py [OUT.zip]          (default: dist/mcsl-VERSION.zip; `make addon` calls it)
+    python tools/extension.py [OUT.zip]          (default: dist/mcsl-VERSION.zip; `python3 dev.py addon` calls it)
 
 The zip holds blender_addon/ but for what only mcsl's child process runs, the render presets, and wheels: mcsl's
 documents as far as the add-on imports them, made here, and the pinned packages it needs (tools/wheels.txt: hashes).

@@ -34,6 +34,7 @@ from scipy import stats
 from mcsl_core.documents import canonical_json, make_converter
 from mcsl_core.errors import DocumentError
 from mcsl_core.tables import read_table
+from mcsl_core.progress import counted
 
 COLUMNS = ("participant", "video", "factor", "method", "rating")
 SCHEMA = "mcsl.study/1"
@@ -189,7 +190,7 @@ def _check_complete(found: Mapping[tuple[str, str], Mapping[str, Mapping[str, in
             )
         if len(people) < LEAST:
             raise DocumentError(
-                f"has {len(people)} participants",
+                f"has {counted(len(people), 'participants')}",
                 where=where,
                 remedy=f"At least {LEAST} are needed: with fewer no outcome can be significant at 5 %",
             )

@@ -30,7 +30,7 @@ def timeline(session: Session, edl: Path, out: Path, **how: Any) -> None:
 
     with session.progress() as progress:
         built = mcsl.open(edl).timeline(out, **how, progress=progress)
-    session.result(to_json(built), f"{out}: open it in Blender, or render it: mcsl render {quote(str(out))}")
+    session.result(to_json(built), f"{out}: open it in Blender, or render it: mcsl render {quote(str(out))} -o VIDEO")
 
 
 @click.command()
