@@ -33,8 +33,8 @@ from scipy import stats
 
 from mcsl_core.documents import canonical_json, make_converter
 from mcsl_core.errors import DocumentError
-from mcsl_core.tables import read_table
 from mcsl_core.progress import counted
+from mcsl_core.tables import read_table
 
 COLUMNS = ("participant", "video", "factor", "method", "rating")
 SCHEMA = "mcsl.study/1"
