@@ -32,7 +32,9 @@ COMMANDS = {
     "conform": ("conform", "edl.json", "-o", "conformed"),
     "render direct": ("render", "edl.json", "-o", "film.mp4", "--engine", "direct"),
     "render": ("render", "edl.json", "-o", "film.mp4"),
+    "render a timeline": ("render", "work.blend", "-o", "film.mp4"),
     "timeline": ("timeline", "edl.json", "-o", "edit.blend"),
+    "pull": ("pull", "work.blend", "-o", "pulled.json"),
     "evaluate": ("evaluate", "edl.json", "--json", "figures.json"),
     "report": ("report", "edl.json", "-o", "page.html"),
     "look": ("look", "edl.json", "--no-fill"),
@@ -47,6 +49,8 @@ MADE = (
     "conformed",
     "film.mp4",
     "edit.blend",
+    "pulled.json",
+    "edl.conformed",
     "figures.json",
     "page.html",
 )
@@ -71,7 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chance, wrong = random.Random(how.seed), False
     with tempfile.TemporaryDirectory(prefix="mcsl-stops-") as name:
         folder = Path(name)
-        prepare(folder)
+        prepare(folder, any("work.blend" in COMMANDS[command] for command in how.commands))
         print("| command | stops | after s | median s | longest s | codes | faults |\n|---|---|---|---|---|---|---|")
         for command in how.commands:
             stops = list(stopped(folder, COMMANDS[command], how.times, chance))
@@ -87,11 +91,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return int(wrong)
 
 
-def prepare(folder: Path) -> None:
-    """A recording and its EDL."""
+def prepare(folder: Path, timeline: bool) -> None:
+    """A recording and its EDL, and its timeline where one is worked at."""
     for command in (
         ("simulate", "rec", "--duration", "12", "--size", "320x180", "--rate", "10"),
         ("analyse", "rec", "-o", "edl.json"),
+        *((("timeline", "edl.json", "-o", "work.blend"),) if timeline else ()),
     ):
         subprocess.run([*MCSL, *command], cwd=folder, check=True, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
 

@@ -31,6 +31,7 @@ from mcsl_core.errors import BlenderError, InputError
 from mcsl_core.progress import JsonLines
 from mcsl_core.temporary import temporary_beside
 
+from ..core.overruled import overruled
 from ..core.read_overrides import read_edl
 from ..core.strip_plan import StripPlan, make_plan
 from ..sequencer import conformed, output, scene_properties
@@ -81,7 +82,8 @@ def read(request: ReadRequest, progress: JsonLines) -> ReadDecisions:
     edl_path, edl = scene_properties.linked_edl(scene, request.blend, request.instead)
     state = read_timeline(scene)
     new = read_edl(edl, state)
-    for note in notices(scene, edl, state):
+    since = overruled(edl, new, scene.get(scene_properties.OVERRIDE_COUNT))
+    for note in (*since, *notices(scene, edl, state)):
         progress.note(note)
     if conformed.any_there(scene) and conformed.keep_true(scene, new).changed:
         try:

@@ -46,7 +46,7 @@ class MCSL_OT_analyse(bpy.types.Operator):
             command, edl = _command(scene)
             began: Edl | None = None
             if has_timeline(scene):
-                began, _ = pull(scene)  # what was decided by hand goes through the analysis with the EDL
+                began, _ = pull(scene, self.report)  # what was decided by hand goes through the analysis with the EDL
             elif scene.sequence_editor is not None and scene.sequence_editor.strips:
                 raise InputError(
                     told("this scene's sequencer is not empty"), remedy=told("Add a new scene and analyse there")

@@ -36,7 +36,7 @@ class MCSL_OT_conform(bpy.types.Operator):
     def execute(self, context):
         scene = sequencer_scene(context)
         try:
-            edl, _ = pull(scene)
+            edl, _ = pull(scene, self.report)
             path = scene_properties.edl_path(scene, Path(bpy.data.filepath))
             name = scene.name
 

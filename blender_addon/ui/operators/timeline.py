@@ -15,6 +15,7 @@ from mcsl_core.edl import Edl
 from mcsl_core.errors import InputError, McslError
 from mcsl_core.outputs.locks import changing
 
+from ...core.overruled import overruled
 from ...core.strip_plan import make_plan
 from ...sequencer import scene_properties
 from ...sequencer.build import build_timeline
@@ -66,8 +67,10 @@ def _push_undo(message: str) -> None:
         bpy.ops.ed.undo_push(message=message)
 
 
-def pull(scene) -> tuple[Edl, bool]:
+def pull(scene, tell=None) -> tuple[Edl, bool]:
     """Writes the timeline's decisions into the scene's EDL; the EDL as it is then, and whether it was changed.
+
+    tell: an operator's ``report``, for what others had decided and the timeline takes back.
 
     What other programs write into it meanwhile stays. McslError, for a folder that cannot be written to as well: then
     nothing has changed.
@@ -80,6 +83,8 @@ def pull(scene) -> tuple[Edl, bool]:
             old, new = scene_properties.edl_of(scene), refresh.decided(scene)  # on what is there now
             if new != old:
                 edls.save(new, path)
+        for note in overruled(old, new, scene.get(scene_properties.OVERRIDE_COUNT)) if tell is not None else ():
+            tell({"WARNING"}, note)
     scene_properties.note_home(scene, path, blend.parent if bpy.data.filepath else None)
     clear_strip_decisions(scene)
     scene[scene_properties.OVERRIDE_COUNT] = len(new.overrides)
@@ -133,7 +138,7 @@ class MCSL_OT_pull_overrides(bpy.types.Operator):
     def execute(self, context):
         scene = sequencer_scene(context)
         try:
-            edl, written = pull(scene)
+            edl, written = pull(scene, self.report)
             notes = read_timeline(scene).notes
         except McslError as error:
             self.report({"ERROR"}, str(error))

@@ -5,11 +5,14 @@ from __future__ import annotations
 import sys
 import textwrap
 
+import attrs
 import pytest
 from blender_recording import R, in_blender
+from notes import Notes
 from panel_scripts import MCSL, ON
 
 from mcsl_core import edl as edls
+from mcsl_core.blender.timeline import pull_overrides
 from mcsl_core.edl import Override
 
 OTHER = textwrap.dedent("""
@@ -89,6 +92,26 @@ def test_a_folder_that_cannot_be_written_to_is_no_fault_where_nothing_was_decide
     out = True
     """
     assert in_blender(blender, built, code, save=False)
+
+
+def test_a_camera_chosen_elsewhere_gives_way_but_not_without_a_word(built, blender):
+    """By another timeline of the same EDL, say: this one shows what it showed, and is pulled after that."""
+    path = built.parent / "edl.json"
+    edl, progress = edls.load(path), Notes()
+    others = attrs.evolve(edl, overrides=(*edl.overrides, Override(R(5, 9), camera="cam3")))
+    edls.save(others, path)
+    assert pull_overrides(built, blender=blender, progress=progress).overrides == edl.overrides
+    expected = "programme frames 6 to 9: cam3, decided elsewhere since this timeline was last pulled or built"
+    assert [note for note in progress.notes if note.startswith(expected)]
+    edls.save(others, path)
+    code = f"""{ON}
+    from blender_addon.ui.operators.timeline import pull
+    out = []
+    pull(scene, lambda _, text: out.append(text))
+    """
+    (note,) = in_blender(blender, built, code)
+    assert note.startswith(expected)
+    assert edls.load(path) == edl
 
 
 @pytest.mark.slow

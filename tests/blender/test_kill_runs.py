@@ -1,0 +1,22 @@
+"""The share of tests/kill_runs.py that needs a Blender: killed at random moments, it loses nothing."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import kill_runs
+import pytest
+
+from mcsl_core.blender.installation import Blender
+from mcsl_core.progress import Silent
+from mcsl_core.simulation import simulate
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["timeline", "pull", "blender"])
+def test_a_killed_run_of_blender_loses_nothing(kind: str, blender: Blender, tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setenv("MCSL_BLENDER", blender.command[0])
+    simulate(kill_runs.SCENE, tmp_path / "recording", Silent())
+    killed, ended = kill_runs.kill(kind, 2, random.Random(), tmp_path, tmp_path / "recording")
+    assert killed + ended == 2
