@@ -369,7 +369,7 @@ def test_a_browser_shows_all_of_it_and_scrolls_down_only(
     assert seen["width"] == width
     assert seen["scroll"] <= width
     assert not seen["outside"]
-    assert (seen["images"], seen["broken"]) == (3, 0)
+    assert (seen["images"], seen["broken"]) == (4, 0)
     assert seen["alts"]
     assert not seen["fetched"]
     assert not console
