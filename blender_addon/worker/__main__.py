@@ -42,11 +42,33 @@ def _end_with_parent(asked: int | None) -> None:
 
     asked: its id, since it may be gone before this runs; between the two may stand a script that starts Blender.
     """
+    if os.name == "nt":
+        if asked is not None and _ended_on_windows(asked):
+            os._exit(1)
+        return
     parent = os.getppid()
-    while os.name != "nt":
+    while True:
         if os.getppid() != parent or (asked is not None and not _lives(asked)):
             os.killpg(os.getpgid(0), signal.SIGKILL)
         time.sleep(0.5)
+
+
+def _ended_on_windows(process: int) -> bool:
+    """Waits until a process is gone; False where it cannot be watched, since it is another person's.
+
+    There a process is asked for by a handle: a signal of 0, as below, would end it.
+    """
+    import ctypes
+
+    kernel = ctypes.WinDLL("kernel32", use_last_error=True)  # pyright: ignore[reportAttributeAccessIssue]
+    kernel.OpenProcess.restype = ctypes.c_void_p
+    kernel.WaitForSingleObject.argtypes = [ctypes.c_void_p, ctypes.c_uint32]
+    synchronize, forever, no_such_process = 0x100000, 0xFFFFFFFF, 87
+    handle = kernel.OpenProcess(synchronize, False, process)
+    if not handle:
+        return ctypes.get_last_error() == no_such_process  # pyright: ignore[reportAttributeAccessIssue]
+    kernel.WaitForSingleObject(handle, forever)
+    return True
 
 
 def _lives(process: int) -> bool:
