@@ -17,7 +17,7 @@ from mcsl_core.alignment.poses import solve_poses
 from mcsl_core.centering.gaze_files import GazeFile, Shown, read_gaze
 from mcsl_core.centering.positions import field_positions, gaze_positions, looks_unplaced
 from mcsl_core.centering.protocol import FieldPosition
-from mcsl_core.edl.edits import carry_over
+from mcsl_core.edl import edits
 from mcsl_core.errors import UsageError
 from mcsl_core.hooks.registry import Offer, Plugins
 from mcsl_core.hooks.stages import STAGES
@@ -83,10 +83,10 @@ def _analysed(
     found = cache.remember(DAMAGE, damage_key(cameras), damage_of, footage, progress)
     footage = _with_gaps(footage, found, progress)
     cameras, frames = footage.cameras, footage.frames
+    drawn = _kept_decisions(place.before, reference, footage, progress)
     sizes = {camera.name: camera.size for camera in cameras}
     shown = Shown(float(rate), frames, reference.size, sizes)
     gaze = _read_gaze(settings.gaze, shown, progress)
-    drawn = drawn_before(place.before, reference.name, frames)
     keys = stage_keys(cameras, reference.name, rate, frames, settings, chosen, drawn)
     watch = Watch(float(frames / rate), progress.note)
     by = {stage: attrs.evolve(offer, watch=watch).checked for stage, offer in chosen.items()}
@@ -121,12 +121,24 @@ def _analysed(
         made_by=_made_by(settings, chosen, gaze),
     )
     with place.changing() as there:
-        made = made if there is None else carry_over(there, made)
+        made = made if there is None else edits.carry_over(there, made)
         positions = _gazed_at(gaze, made, progress) if gaze else field_positions(solved, made.size)
         made = attrs.evolve(made, centering=by["centerer"].centre(positions, size=made.size, rate=float(rate)))
         Measurements(table, detection.curve).save(place.scores)
         edl.save(made, out)
     return made
+
+
+def _kept_decisions(
+    before: edl.Edl | None, reference: edl.Camera, footage: Footage, progress: Progress
+) -> tuple[edl.DrawnField, ...]:
+    """Before the long work, whether what was decided can be kept; the fields that were drawn."""
+    if before is not None:
+        now = edits.Counted(footage.rate, footage.frames, reference.size, reference.name, footage.cameras)
+        edits.check_decisions(before, now)
+        if told := edits.other_media(before, now):
+            progress.note(told)
+    return drawn_before(before, reference.name, footage.frames)
 
 
 def _with_gaps(footage: Footage, damage: DamageOf, progress: Progress) -> Footage:

@@ -3,37 +3,66 @@
 from __future__ import annotations
 
 import os
+from fractions import Fraction
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 import attrs
+from attrs import frozen
 
 from mcsl_core.errors import DocumentError, Fault
 from mcsl_core.timing import FrameRange
 
 from .field import DrawnField, Polygons
-from .schema import Edl, Override
+from .schema import Camera, Edl, Override
 
 
-def carry_over(old: Edl, new: Edl) -> Edl:
-    """``new`` (a fresh analysis) with the editor's decisions of ``old``: overrides, corrections, drawn fields and look.
+@frozen
+class Counted:
+    """What decisions count in: frames of which programme, pixels of which perspective, whose pictures."""
 
-    Raises
-    ------
-    DocumentError
-        Where the rate differs (the same frame numbers would be other times), an override names a camera that is gone,
-        one reaches past the new end, or a field was drawn in another camera's perspective.
+    rate: Fraction
+    frames: int
+    size: tuple[int, int]
+    reference: str
+    cameras: tuple[Camera, ...]
+
+    @classmethod
+    def of(cls, edl: Edl) -> Counted:
+        return cls(edl.rate, edl.frames, edl.size, edl.reference, edl.cameras)
+
+
+def check_decisions(old: Edl, new: Counted) -> None:
+    """DocumentError where overrides, corrections or drawn fields of ``old`` would say something else in a new analysis.
+
+    Where the rate, the reference camera, or the size that shifts are measured in differs (the same frames and pixels
+    would be others), one names a camera that is gone, or one reaches past the new end.
     """
-    check_drawn(old, new.reference)
-    names = {c.name for c in new.cameras}
     decided = [(f"overrides[{i}]", o.camera, o.range) for i, o in enumerate(old.overrides)]
     decided += [(f"corrections[{i}]", c.camera, c.range) for i, c in enumerate(old.corrections)]
     decided += [(f"drawn_fields[{i}]", None, f.range) for i, f in enumerate(old.drawn_fields)]
-    if decided and old.rate != new.rate:
+    if not decided:
+        return
+    if old.rate != new.rate:
         raise DocumentError(
             f"the overrides count frames at {old.rate} per second, the new analysis at {new.rate}",
             remedy=f"Analyse with --rate {old.rate}, or remove the overrides from the old EDL",
         )
+    check_drawn(old, new.reference)
+    if old.reference != new.reference:
+        raise DocumentError(
+            f"the overrides count from the first picture of {old.reference} and are laid in its perspective, the new "
+            f"analysis has {new.reference} as its reference",
+            remedy=f"Analyse with --reference {old.reference}, or into another EDL",
+        )
+    in_pixels = old.corrections or old.drawn_fields or any(o.offset is not None for o in old.overrides)
+    if old.size != new.size and in_pixels:
+        was, now = ("{}x{}".format(*size) for size in (old.size, new.size))
+        raise DocumentError(
+            f"what was placed by hand counts pixels of a programme of {was}, the new analysis has {now}",
+            remedy="Analyse the files of that size, or into another EDL",
+        )
+    names = {camera.name for camera in new.cameras}
     for at, camera, piece in decided:
         if camera is not None and camera not in names:
             raise DocumentError(
@@ -45,8 +74,6 @@ def carry_over(old: Edl, new: Edl) -> Edl:
                 f"{at} ends at frame {piece.stop}, after the new end {new.frames}",
                 remedy=f"Analyse the whole recording, or shorten {at} in the old EDL",
             )
-    kept = {name: getattr(old, name) for name in ("overrides", "corrections", "drawn_fields", "look")}
-    return attrs.evolve(new, **kept)
 
 
 def check_drawn(old: Edl, reference: str) -> None:
@@ -56,6 +83,39 @@ def check_drawn(old: Edl, reference: str) -> None:
             f"drawn_fields[0] is drawn in the perspective of {old.reference!r}, the new analysis takes {reference!r}'s",
             remedy=f"Analyse with --reference {old.reference}, or take the field away: mcsl field EDL --clear",
         )
+
+
+def other_media(old: Edl, new: Counted) -> str:
+    """What a person should know of decisions over other files than those they were taken over; "" of the same."""
+    if not (old.overrides or old.corrections or old.drawn_fields):
+        return ""
+    files = {camera.name: [media.fingerprint for media in camera.media] for camera in old.cameras}
+    changed = [
+        camera.name
+        for camera in new.cameras
+        if any(_is_other(a, m.fingerprint) for a, m in zip(files.get(camera.name, ()), camera.media, strict=False))
+    ]
+    if not changed:
+        return ""
+    return f"the decisions were made when other files were {', '.join(changed)}: see whether they still hold"
+
+
+def _is_other(before: str, now: str) -> bool:
+    kinds = before.partition(":")[0], now.partition(":")[0]  # content keys of different kinds say nothing
+    return kinds[0] == kinds[1] and before != now and ":" in before
+
+
+def carry_over(old: Edl, new: Edl) -> Edl:
+    """``new`` (a fresh analysis) with the editor's decisions of ``old``: overrides, corrections, drawn fields and look.
+
+    Raises
+    ------
+    DocumentError
+        As `check_decisions`.
+    """
+    check_decisions(old, Counted.of(new))
+    kept = {name: getattr(old, name) for name in ("overrides", "corrections", "drawn_fields", "look")}
+    return attrs.evolve(new, **kept)
 
 
 def merged(base: Edl, mine: Edl, theirs: Edl) -> Edl:

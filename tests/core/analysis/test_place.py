@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
+from notes import Notes
 
 import mcsl_core as mcsl
 from mcsl_core import edl as edls
@@ -50,3 +52,43 @@ def test_something_else_is_replaced_by_force_alone(recording: Path, tmp_path: Pa
     with pytest.raises(InputError, match="is there already, and is no EDL"):
         mcsl.analyse(recording, path)
     assert path.read_bytes() == content
+
+
+class Stages(Notes):
+    """stages: those that began, in order."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.stages: list[str] = []
+
+    def stage(self, name: str, total: int | None = None, unit: str = "") -> None:
+        super().stage(name, total, unit)
+        self.stages.append(name)
+
+
+@pytest.mark.parametrize("change", [{"reference": "cam2"}, {"rate": 5}])
+def test_decisions_that_would_say_something_else_stop_an_analysis_before_its_work(
+    recording: Path, tmp_path: Path, change: dict
+) -> None:
+    """Another reference camera has another first picture: the overrides were kept, over other moments."""
+    path = tmp_path / "edl.json"
+    mcsl.analyse(recording, path)
+    change_file(path, fill=False, start="1", stop="2")
+    before, progress = path.read_bytes(), Stages()
+    settings = mcsl.AnalysisSettings(cache=False, **change)
+    with pytest.raises(InputError, match="the overrides count"):
+        mcsl.analyse(recording, path, settings=settings, progress=progress)
+    assert path.read_bytes() == before
+    assert "Sampling the recording" not in progress.stages
+
+
+def test_decisions_over_another_recording_are_told(recording: Path, tmp_path: Path) -> None:
+    path, other, progress = tmp_path / "edl.json", tmp_path / "other", Stages()
+    mcsl.analyse(recording, path)
+    change_file(path, fill=False, start="1", stop="2")
+    other.mkdir()
+    for one, two in (("cam1", "cam2"), ("cam2", "cam1"), ("cam3", "cam3")):
+        shutil.copy2(recording / f"{one}.mp4", other / f"{two}.mp4")
+    mcsl.analyse(other, path, progress=progress)
+    told = "the decisions were made when other files were cam1, cam2: see whether they still hold"
+    assert told in progress.notes

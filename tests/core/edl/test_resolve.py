@@ -364,3 +364,10 @@ def test_an_override_that_fits_no_more_is_refused_and_named():
     with pytest.raises(DocumentError, match=r"at 25 per second, the new analysis at 50.*--rate 25"):
         carry_over(old, small(rate=Fraction(50)))
     assert carry_over(small(), small(rate=Fraction(50))).rate == 50, "without overrides any rate will do"
+    with pytest.raises(DocumentError, match=r"count from the first picture of cam1.*--reference cam1"):
+        carry_over(old, small(reference="cam2"))
+    assert carry_over(small(), small(reference="cam2")).reference == "cam2"
+    larger = small(size=(640, 360))
+    assert carry_over(old, larger).overrides == old.overrides, "frames and cameras are the same in any size"
+    with pytest.raises(DocumentError, match=r"counts pixels of a programme of 320x180, the new analysis has 640x360"):
+        carry_over(small(overrides=(Override(R(0, 5), offset=(3.0, 4.0)),)), larger)
