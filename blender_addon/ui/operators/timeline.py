@@ -83,8 +83,9 @@ def pull(scene, tell=None) -> tuple[Edl, bool]:
             old, new = scene_properties.edl_of(scene), refresh.decided(scene)  # on what is there now
             if new != old:
                 edls.save(new, path)
-        for note in overruled(old, new, scene.get(scene_properties.OVERRIDE_COUNT)) if tell is not None else ():
-            tell({"WARNING"}, note)
+        if tell is not None:
+            for note in overruled(old, new, scene.get(scene_properties.OVERRIDE_COUNT)):
+                tell({"WARNING"}, note)
     scene_properties.note_home(scene, path, blend.parent if bpy.data.filepath else None)
     clear_strip_decisions(scene)
     scene[scene_properties.OVERRIDE_COUNT] = len(new.overrides)
