@@ -9,7 +9,10 @@ import click
 
 import mcsl_core as mcsl
 from mcsl_core.hooks import Cancelled, McslError, UsageError
+from mcsl_core.outputs.claim import claim
+from mcsl_core.outputs.manifest import Manifest
 
+FORCE = click.option("--force", is_flag=True, help="Replace what mcsl-label did not write or was changed since.")
 PATH = click.Path(path_type=Path)
 
 
@@ -31,22 +34,25 @@ def cli(ctx: click.Context, progress: str, debug: bool) -> None:
 @click.argument("source", type=PATH, nargs=-1, required=True)
 @click.argument("out", type=PATH)
 @click.option("--frames", default=16, show_default=True, help="How many pictures to write.")
+@FORCE
 @click.pass_obj
-def export(session: mcsl.Session, source: tuple[Path, ...], out: Path, frames: int) -> None:
+def export(session: mcsl.Session, source: tuple[Path, ...], out: Path, frames: int, force: bool) -> None:
     """Write pictures to paint on into the folder OUT.
 
     SOURCE is an EDL of `mcsl analyse`, or a recording, which is then analysed first.
     """
+    from .labelling import check_folder
     from .labelling import export as run
 
     if frames < 1:
         raise UsageError(f"--frames must be 1 or more, got {frames}")
+    check_folder(out, force=force)
     with session.progress() as progress:
         if len(source) == 1 and source[0].suffix.lower() == ".json":
             programme = mcsl.open(source[0])
         else:
             programme = mcsl.analyse(source, out / "analysis" / "edl.json", progress=progress)
-        written = run(programme, out, frames=frames, progress=progress)
+        written = run(programme, out, frames=frames, force=force, progress=progress)
     session.result(
         {"folder": str(out), "frames": [p.name for p in written]},
         f"{out}: {len(written)} pictures. Paint on them and save each beside itself as NAME.mask.png:\n"
@@ -58,12 +64,15 @@ def export(session: mcsl.Session, source: tuple[Path, ...], out: Path, frames: i
 @cli.command()
 @click.argument("folders", type=PATH, nargs=-1, required=True)
 @click.option("-o", "--out", type=PATH, required=True, help="The model, an .npz file.")
+@FORCE
 @click.pass_obj
-def train(session: mcsl.Session, folders: tuple[Path, ...], out: Path) -> None:
+def train(session: mcsl.Session, folders: tuple[Path, ...], out: Path, force: bool) -> None:
     """Train a model from the pictures painted in FOLDERS."""
     from .labelling import read_marked
     from .training import train as run
 
+    read = [path for folder in folders for path in folder.glob("*")]
+    output = claim(out, inputs=read, manifest=Manifest.beside(out), force=force)
     with session.progress() as progress:
         marked = [m for folder in folders for m in read_marked(folder)]
         if not marked:
@@ -73,7 +82,8 @@ def train(session: mcsl.Session, folders: tuple[Path, ...], out: Path) -> None:
                 remedy="Save what you paint as NAME.mask.png",
             )
         model, judged = run(marked, progress)
-        model.save(out)
+        with output.writing() as part:
+            model.save(part)
     figures = ", ".join(f"{name} {value:.0%}" for name, value in judged.iou.items())
     session.result(
         {"model": str(out), "frames": judged.frames, "iou": judged.iou},

@@ -28,6 +28,8 @@ from mcsl_core.hooks import (
     size_at_columns,
     write_atomic,
 )
+from mcsl_core.outputs.claim import claim, claim_folder
+from mcsl_core.outputs.manifest import Manifest
 
 from .features import Seen, backgrounds, seen_of, to_cut, whole
 from .model import CLASSES
@@ -66,11 +68,19 @@ class Marked:
 # ----------------------------------------------------------------------------------------------------- exporting
 
 
-def export(programme: mcsl.Programme, out: Path, *, frames: int, progress: Progress) -> list[Path]:
+def check_folder(out: Path, *, force: bool = False) -> None:
+    """InputError where frames cannot be written into ``out``, or were painted there: they are no others' to replace."""
+    claim_folder(out)
+    for path in sorted((*out.glob("*.png"), *out.glob("*.npz"))):
+        claim(path, manifest=Manifest.inside(out), force=force)
+
+
+def export(programme: mcsl.Programme, out: Path, *, frames: int, force: bool = False, progress: Progress) -> list[Path]:
     """Writes about ``frames`` pictures of an analysed recording into ``out``, spread over cameras and poses.
 
-    Returns the pictures written.
+    Returns the pictures written. force: into a folder with painted ones, too.
     """
+    check_folder(out, force=force)
     windows = _windows(programme)
     if not windows:
         where = str(programme.folder)
@@ -89,6 +99,7 @@ def export(programme: mcsl.Programme, out: Path, *, frames: int, progress: Progr
         count = -(-(frames - len(written)) // left)
         written += write_frames(out, aligned, samples, at, count=count, first_camera=len(written))
         progress.advance(number + 1)
+        Manifest.inside(out).record(*(path for png in written for path in (png, png.with_suffix(".npz"))))
     return written
 
 
