@@ -5,6 +5,7 @@ Data files in render_presets/, one a kind of delivery; a user's own file of the 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,13 @@ SPEEDS = ("BEST", "GOOD", "REALTIME")
 AUDIO_CODECS = ("AAC", "FLAC", "OPUS", "PCM")
 PRORES_PROFILES = ("", "422_PROXY", "422_LT", "422_STD", "422_HQ", "4444", "4444_XQ")
 
+_FILES = {  # options of encoders, and of x264 and x265 in their own lists, that open a file
+    *("stats", "passlogfile", "pass", "dump-yuv", "qpfile", "cqmfile", "tcfile-in", "tcfile-out", "log-file"),
+    *("opencl-clbin", "recon", "csv", "lambda-file", "scaling-list", "zonefile", "dhdr10-info"),
+    *("analysis-save", "analysis-load", "analysis-reuse-file", "dolby-vision-rpu", "film-grain"),
+    *("aom-film-grain", "film-grain-table", "two-pass-stats"),
+}
+
 
 def _one_of(*allowed: str):
     def check(_: Any, attribute: attrs.Attribute, value: str) -> None:
@@ -38,6 +46,17 @@ def _within(low: int, high: int):
             raise ValueError(f"{attribute.name} must lie in {low}..{high}, got {value}")
 
     return check
+
+
+def _writes_no_file(_: Any, attribute: attrs.Attribute, value: Mapping[str, str]) -> None:
+    """Encoders open files that options name, over whatever lies there: a preset from elsewhere could name any."""
+    for name, text in value.items():
+        words = [name]
+        if name == "flags" or "params" in name or "opts" in name:
+            words += [re.sub("[0-9]+$", "", part.partition("=")[0]) for part in re.split("[:,+]", text)]
+        for word in words:
+            if word.strip().lower().replace("_", "-") in _FILES:
+                raise ValueError(f"{attribute.name}.{name} has an encoder open a file ({word.strip()})")
 
 
 @frozen
@@ -60,11 +79,13 @@ class DirectOutput:
     """FFmpeg's names, for the engine that writes without Blender."""
 
     codec: str = field(metadata=doc("video encoder"))
-    options: Mapping[str, str] = field(metadata=doc("the encoder's options"))
+    options: Mapping[str, str] = field(validator=_writes_no_file, metadata=doc("the encoder's options"))
     pixel_format: str = field(metadata=doc("pixel format"))
     gop: int = field(validator=_within(1, 1000), metadata=doc("most frames from keyframe to keyframe"))
     audio_codec: str = field(metadata=doc("audio encoder"))
-    audio_options: Mapping[str, str] = field(factory=dict, metadata=doc("the audio encoder's options"))
+    audio_options: Mapping[str, str] = field(
+        factory=dict, validator=_writes_no_file, metadata=doc("the audio encoder's options")
+    )
     tag: str = field(default="", metadata=doc("four-character code, where players want another than the muxer's"))
 
 

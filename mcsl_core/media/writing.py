@@ -155,6 +155,7 @@ class VideoWriter:
             self._video = self._add_video()
             self._audio = self._add_audio() if self._audio_rate else None
             self._container.start_encoding()
+            self._check_options()
         except (FFmpegError, ValueError) as error:
             with contextlib.suppress(OSError):
                 self._container.close()
@@ -165,8 +166,16 @@ class VideoWriter:
                 remedy="Choose a codec, pixel format and options that this FFmpeg and the container know",
             ) from error
 
+    def _check_options(self) -> None:
+        """ValueError for options that an encoder left alone: FFmpeg passes over what it does not know."""
+        for stream in (self._video, self._audio):
+            if stream is not None and stream.codec_context.options:
+                names = ", ".join(map(repr, stream.codec_context.options))
+                raise ValueError(f"{stream.codec_context.name} knows no option {names}")
+
     def _add_video(self) -> Any:
         encoding = self.encoding
+        _check_kind(encoding.codec, "video")
         stream: Any = self._container.add_stream(encoding.codec, rate=self.rate, options=_quiet(encoding))
         context = stream.codec_context
         context.width, context.height = self.size
@@ -184,6 +193,7 @@ class VideoWriter:
 
     def _add_audio(self) -> Any:
         layout = "mono" if self._channels == 1 else "stereo"
+        _check_kind(self.encoding.audio_codec, "audio")
         stream: Any = self._container.add_stream(
             self.encoding.audio_codec,
             rate=self._audio_rate,
@@ -289,6 +299,16 @@ class VideoWriter:
         with self._part.open("rb+") as stream:  # a power cut must not leave a name without its content
             os.fsync(stream.fileno())
         self._part.replace(self.path)
+
+
+def _check_kind(codec: str, kind: str) -> None:
+    """ValueError where FFmpeg has no such encoder; of another kind it fails in ways of its own."""
+    try:
+        found = av.Codec(codec, "w").type
+    except ValueError:
+        raise ValueError(f"there is no encoder {codec!r}") from None
+    if found != kind:
+        raise ValueError(f"{codec} is no {kind} encoder")
 
 
 def _quiet(encoding: Encoding) -> dict[str, str]:

@@ -63,6 +63,30 @@ def test_a_wrong_preset_is_refused(tmp_path, change, message):
     assert str(path) in str(caught.value)
 
 
+FILES = [
+    {"stats": "/home/somebody/.profile"},
+    {"passlogfile": "x.log"},
+    {"x264-params": "keyint=12:dump-yuv=/home/somebody/.profile"},
+    {"x264-params": "stats=x.log:pass=1"},
+    {"x264_params": "DUMP_YUV=x"},
+    {"x264opts": "qpfile=/etc/passwd"},
+    {"x265-params": "csv=x.csv"},
+    {"x265-params": "log-level=none: recon = x.yuv"},
+    {"flags": "+global_header+pass1"},
+]
+
+
+@pytest.mark.parametrize("options", FILES, ids=str)
+def test_a_preset_has_no_encoder_open_files(tmp_path, options):
+    """x264 wrote its copy of the pictures over whatever a preset from elsewhere named."""
+    value = json.loads((presets.presets_folder() / "h264.json").read_text())
+    value["direct"]["options"] |= options
+    path = tmp_path / "mine.json"
+    path.write_text(json.dumps(value))
+    with pytest.raises(DocumentError, match=r"direct.*has an encoder open a file"):
+        presets.load_preset(path)
+
+
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(InputError, match=r"none\.json.*does not exist"):
         presets.load_preset(tmp_path / "none.json")

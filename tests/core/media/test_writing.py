@@ -189,6 +189,27 @@ def test_faults_are_named(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["file"]
 
 
+ODD = [
+    ({"options": {"preset": "fast", "crff": "12"}}, "libx264 knows no option 'crff'"),
+    ({"audio_options": {"b": "128k", "zork": "1"}}, "aac knows no option 'zork'"),
+    ({"codec": "aac"}, "aac is no video encoder"),
+    ({"audio_codec": "libx264"}, "libx264 is no audio encoder"),
+    ({"codec": "h264_foo"}, "there is no encoder 'h264_foo'"),
+    ({"audio_codec": "foo"}, "there is no encoder 'foo'"),
+]
+
+
+@pytest.mark.parametrize(("settings", "told"), ODD, ids=[told for _, told in ODD])
+def test_a_codec_or_an_option_that_is_none_is_named(tmp_path, settings, told):
+    """A misspelled option was passed over without a word, and the film had another quality than was asked for."""
+    with (
+        pytest.raises(UsageError, match=told),
+        VideoWriter(tmp_path / "a.mp4", size=(64, 64), rate=25, encoding=Encoding(**settings), audio_rate=48000),
+    ):
+        pass
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_wrong_sizes_are_refused(tmp_path):
     with pytest.raises(ValueError, match="even"):
         bgr_to_planes(np.zeros((5, 6, 3), np.uint8))
