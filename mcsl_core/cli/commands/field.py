@@ -84,7 +84,7 @@ def describe(edl: Edl) -> str:
 
 @click.command()
 @click.argument("edl", type=PATH)
-@click.option("--polygon", "polygons", metavar='"X,Y X,Y ..."', multiple=True, help="Draw it; several: any of them.")
+@click.option("--polygon", "polygons", metavar='"X,Y X,Y X,Y"', multiple=True, help="Draw it; several: any of them.")
 @click.option("--clear", is_flag=True, help="Take away what is drawn: the field is found in the pictures again.")
 @click.option("--range", "frames", metavar="A:B", help="Only in the programme's frames from A up to B.")
 @click.option("--from", "start", metavar="TIME", help="Only from here on: 1:02:03.5 or seconds.")
