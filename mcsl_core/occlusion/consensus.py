@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView, Picture
 from mcsl_core.imaging.masks import Mask
 
+from .exposure import Exposure, levelled, small
+
 Lab = NDArray[np.uint8]
 Float = NDArray[np.float32]
 APPEARANCES = 3  # of a pixel in one view that are told apart: the field, and what hides it for long
@@ -75,14 +77,19 @@ class Consensus:
     def scorer(self, aligned: AlignedPose, samples: Sequence[Sequence[AlignedView]]) -> ConsensusScorer:
         """Makes a scorer from the backgrounds that ``samples`` show; see `OcclusionDetector.scorer`."""
         cut = Cut.around(aligned.field)
-        pictures: dict[str, list[Lab]] = {}
+        seen: dict[str, list[tuple[Picture, Picture]]] = {}  # small, and cut out
         inside: dict[str, Mask] = {}
         for position in np.unique(np.linspace(0, len(samples) - 1, min(self.samples, len(samples))).astype(int)):
             for view in samples[position]:
-                pictures.setdefault(view.camera, []).append(_lab(cut.picture(view.aligned)))
-                inside[view.camera] = cut.mask(view.inside)
-        appearances = {name: self._appearances(np.stack(own)) for name, own in pictures.items()}
-        return ConsensusScorer(aligned.field, cut, self._agreed(appearances, inside), self.different)
+                seen.setdefault(view.camera, []).append((small(view.aligned), cut.picture(view.aligned)))
+                inside[view.camera] = view.inside
+        exposure, appearances = {}, {}
+        for name, own in seen.items():
+            level = exposure[name] = Exposure.of([whole for whole, _ in own], inside[name])
+            pictures = [_lab(levelled(part, level.gain(whole))) for whole, part in own]
+            appearances[name] = self._appearances(np.stack(pictures))
+        inside = {name: cut.mask(mask) for name, mask in inside.items()}
+        return ConsensusScorer(aligned.field, cut, self._agreed(appearances, inside), exposure, self.different)
 
     def _appearances(self, pictures: Lab) -> list[Appearance]:
         """The commonest appearances of every pixel over (T, h, w, 3)."""
@@ -205,6 +212,8 @@ class ConsensusScorer:
         The part of the picture that is compared.
     background : mapping of str to (h, w, 3) uint8 array
         Camera -> how the field looks with nothing before it, in Lab.
+    exposure : mapping of str to Exposure
+        Camera -> its usual one.
     different : int
         See `Consensus`.
     """
@@ -212,6 +221,7 @@ class ConsensusScorer:
     field: Mask
     cut: Cut
     background: Mapping[str, Lab]
+    exposure: Mapping[str, Exposure]
     different: int
 
     def score(self, views: Sequence[AlignedView]) -> Mapping[str, float]:
@@ -237,7 +247,8 @@ class ConsensusScorer:
         inside = self.cut.mask(view.inside)
         if view.camera not in self.background:
             return inside
-        now = _lab(self.cut.picture(view.aligned))
+        gain = self.exposure[view.camera].gain(small(view.aligned))
+        now = _lab(levelled(self.cut.picture(view.aligned), gain))
         behind = self.background[view.camera]
         # A pixel of play either way: breathing, and what warping leaves of the pixel grid.
         around = np.ones((3, 3), np.uint8)
