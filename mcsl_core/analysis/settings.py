@@ -4,11 +4,41 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
+from math import isfinite
+from numbers import Real
+from os import PathLike
 from pathlib import Path
+from typing import Any
 
 from attrs import field, frozen
 
 from mcsl_core.alignment.settings import SolveSettings
+from mcsl_core.errors import UsageError
+from mcsl_core.timing import parse_rate
+
+_LONGEST_S = 3600.0
+
+
+def _rate(value: Any) -> Fraction | None:
+    if isinstance(value, float) and isfinite(value):
+        near = Fraction(value).limit_denominator(1001)
+        value = near if near.denominator == 1001 else value  # 30000 / 1001
+    try:
+        return None if value is None else parse_rate(str(value))
+    except ValueError as error:
+        raise UsageError(f"rate: {error}", remedy='Give it as "30000/1001", 25 or 29.97') from None
+
+
+def _paths(value: Any) -> tuple[Path, ...]:
+    try:
+        return (Path(value),) if isinstance(value, str | PathLike) else tuple(Path(each) for each in value)
+    except TypeError:
+        raise UsageError(f"gaze is files, got {value!r}", remedy='Give it as ["a.csv", "b.csv"]') from None
+
+
+def _step(_: Any, __: Any, value: Any) -> None:
+    if not (isinstance(value, Real) and 0 < value <= _LONGEST_S):
+        raise UsageError(f"sample_s is seconds from picture to picture, got {value!r}", remedy="Give it as 1.0")
 
 
 @frozen
@@ -36,10 +66,10 @@ class AnalysisSettings:
     """
 
     reference: str | None = None
-    rate: Fraction | None = None
+    rate: Fraction | None = field(default=None, converter=_rate)
     sync: str = "auto"
     stages: Mapping[str, str] = field(factory=dict)
-    sample_s: float = 1.0
+    sample_s: float = field(default=1.0, validator=_step)
     solve: SolveSettings = field(factory=SolveSettings)
-    gaze: tuple[Path, ...] = ()
+    gaze: tuple[Path, ...] = field(default=(), converter=_paths)
     cache: bool = True
