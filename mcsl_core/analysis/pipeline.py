@@ -185,8 +185,9 @@ def _samples(footage: Footage, cache: StageCache, key: str, step_s: float, progr
         with closing(found):
             yield found
         return
-    with temporary_folder("samples") as folder:
-        store = store or folder / "samples"
+    with ExitStack() as opened:
+        if store is None:  # else nothing temporary: a killed run would leave it, and the next has its samples
+            store = opened.enter_context(temporary_folder("samples")) / "samples"
         with closing(SampleStore.record(footage, store, progress, step_s=step_s)) as samples:
             cache.prune("samples", kept=2)  # the pictures and their contents; some 20 MB a minute
             yield samples
