@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from fractions import Fraction
 from math import isfinite
-from numbers import Real
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -37,7 +36,7 @@ def _paths(value: Any) -> tuple[Path, ...]:
 
 
 def _step(_: Any, __: Any, value: Any) -> None:
-    if not (isinstance(value, Real) and 0 < value <= _LONGEST_S):
+    if not (isinstance(value, int | float) and 0 < value <= _LONGEST_S):
         raise UsageError(f"sample_s is seconds from picture to picture, got {value!r}", remedy="Give it as 1.0")
 
 

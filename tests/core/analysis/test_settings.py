@@ -18,6 +18,7 @@ from mcsl_core.errors import UsageError
         (25, 25),
         ("25", 25),
         (29.97, Fraction(30000, 1001)),
+        (30000 / 1001, Fraction(30000, 1001)),
         (Fraction(25, 2), Fraction(25, 2)),
         (25.0, 25),
     ],
