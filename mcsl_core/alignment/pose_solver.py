@@ -26,11 +26,12 @@ from .clear_frames import degree_of_occlusion, field_area
 from .colour_match import match_colours
 from .correspondences import Pairs
 from .dense_matching import AlignedCamera, DenseSettings, match_densely
-from .field import field_by_hue, field_by_vote, field_in_camera, field_that_stays, modal_picture
+from .field import field_by_hue, field_by_vote, field_in_camera, field_that_stays, modal_picture, shared_aim
 from .observations import Observations, Samples, SolvedPose, match_cameras, observe, spread, weight_matches
 from .protocol import Aligner, Alignment, Matcher
 from .settings import SolveSettings
 
+ONE_AIM = 0.94  # cameras that aim at one place; see `shared_aim`
 STEADY = 6  # levels of 255 that a pixel may be off its median half of the time: noise and breathing, not hands
 
 
@@ -92,9 +93,7 @@ class PoseSolver:
             Its perspective is its own reference camera's until it is anchored.
         """
         settings = self.settings
-        doo = np.array([_degree_of_occlusion(samples, position) for position in standing])
-        picked, _ = settings.clear.choose(doo)
-        clear = [standing[i] for i in picked]
+        clear = self._clear(standing, samples)
         for_field = spread(standing, settings.typical_moments)
         for_dense = spread(standing, settings.dense_moments)
         observations = observe(clear, for_field, samples, self.matcher)
@@ -109,7 +108,10 @@ class PoseSolver:
             progress.note(f"frames {frames}: camera {weak.camera} is weak: {weak.reason}")
         aligned = self._aligned(alignment, settings.scene_width)
         field = resize_mask(by_hue, aligned.size)
-        aligned = attrs.evolve(aligned, field=field if known is not None else field_that_stays(aligned, field, dense))
+        sure = known is not None or (bool(by_hue.any()) and shared_aim(aligned) >= ONE_AIM)
+        if known is None:
+            field = field_that_stays(aligned, field, dense) if sure else central_ellipse(aligned.size)
+        aligned = attrs.evolve(aligned, field=field)
         pose = Pose(
             range=frames,
             homographies={name: to_edl_matrix(h) for name, h in alignment.homographies.items()},
@@ -120,7 +122,12 @@ class PoseSolver:
             weak=alignment.weak,
         )
         kept = {name: Observations(own.features[::4], own.field) for name, own in observations.items()}
-        return SolvedPose(pose, aligned, tuple(for_dense), kept, PICTURES if by_hue.any() else MIDDLE)
+        return SolvedPose(pose, aligned, tuple(for_dense), kept, PICTURES if sure else MIDDLE)
+
+    def _clear(self, standing: Sequence[int], samples: Samples) -> list[int]:
+        """The samples to find points in."""
+        picked, _ = self.settings.clear.choose(np.array([_degree_of_occlusion(samples, at) for at in standing]))
+        return [standing[i] for i in picked]
 
     def _by_points(self, observations: Mapping[str, Observations], known: Mask | None) -> tuple[Alignment, Pairs]:
         """The alignment by distinctive points, and the matches it was made from.

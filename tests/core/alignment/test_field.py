@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from mcsl_core.alignment.aligned_views import AlignedPose
-from mcsl_core.alignment.field import field_by_hue, modal_picture
+from mcsl_core.alignment.field import field_by_hue, modal_picture, shared_aim
 from mcsl_core.imaging.masks import central_ellipse, close_gaps, convex_hull
 
 SIZE = (240, 136)
@@ -75,3 +75,18 @@ def test_the_middle_is_the_middle() -> None:
     assert not mask[5, 100]
     assert not mask[50, 20]
     assert 0.2 < mask.mean() < 0.35
+
+
+def test_cameras_of_a_lamp_aim_at_one_place_and_those_about_a_room_do_not() -> None:
+    def aim(shift: float, turned: float = 0.0) -> float:
+        pose = aligned()
+        laid = {}
+        for i, name in enumerate(pose.homographies):
+            turn = np.vstack([cv2.getRotationMatrix2D((120, 68), turned * i, 1.0), [0, 0, 1]])
+            laid[name] = np.array([[1, 0, shift * i], [0, 1, 0], [0, 0, 1.0]]) @ turn
+        return shared_aim(AlignedPose(SIZE, "cam1", laid, pose.camera_sizes, pose.field))
+
+    assert aim(0) > 0.99
+    assert aim(0, turned=72) > 0.99
+    assert aim(6, turned=72) > 0.97
+    assert aim(60) < 0.8
