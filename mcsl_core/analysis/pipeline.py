@@ -28,12 +28,26 @@ from mcsl_core.recording.cameras import choose_reference, open_cameras, programm
 from mcsl_core.recording.damage import DamageOf, damage_met, damage_of, with_gaps
 from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.sample_store import SampleStore
+from mcsl_core.selection.close_looks import look_closer
 from mcsl_core.selection.gaps import without_gaps
+from mcsl_core.selection.merits import pose_merits, with_merits
 from mcsl_core.selection.switch_refinement import refine_switches, with_switches_at
 from mcsl_core.sync.synchronise import synchronise
 from mcsl_core.temporary import temporary_folder
 
-from .cache import CLOCKS, CUTS, DAMAGE, DAMAGE_MET, MOVEMENTS, POSES, SCORES, Deferred, StageCache
+from .cache import (
+    CLOCKS,
+    CLOSER,
+    CUTS,
+    DAMAGE,
+    DAMAGE_MET,
+    MERITS,
+    MOVEMENTS,
+    POSES,
+    SCORES,
+    Deferred,
+    StageCache,
+)
 from .fields import drawn_before, field_stretches, tell_of_fields, without_claims
 from .measurements import Measurements
 from .place import EdlPlace, cache_folder
@@ -85,23 +99,23 @@ def _analysed(
     cameras, frames = footage.cameras, footage.frames
     drawn = _kept_decisions(place.before, reference, footage, progress)
     sizes = {camera.name: camera.size for camera in cameras}
-    shown = Shown(float(rate), frames, reference.size, sizes)
-    gaze = _read_gaze(settings.gaze, shown, progress)
+    gaze = _read_gaze(settings.gaze, Shown(float(rate), frames, reference.size, sizes), progress)
     keys = stage_keys(cameras, reference.name, rate, frames, settings, chosen, drawn)
     watch = Watch(float(frames / rate), progress.note)
     by = {stage: attrs.evolve(offer, watch=watch).checked for stage, offer in chosen.items()}
 
     with ExitStack() as opened:
         samples = Deferred(opened.enter_context, _samples(footage, cache, keys.samples, settings.sample_s, progress))
-        met = cache.remember(DAMAGE_MET, keys.samples, damage_met, footage, samples)
-        footage = _with_gaps(footage, met, progress)
+        footage = _with_gaps(footage, cache.remember(DAMAGE_MET, keys.samples, damage_met, footage, samples), progress)
         detection = cache.remember(MOVEMENTS, keys.movements, by["movement"].detect, samples, footage, progress)
         movements = detection.movements
         solver = PoseSolver(sizes, reference.name, by["matcher"], by["aligner"], settings.solve)
         solved = cache.remember(POSES, keys.poses, solve_poses, solver, samples, movements, frames, progress, drawn)
         segments = Deferred(scoring_segments, samples, solved, movements, by["occlusion"])
         table = cache.remember(SCORES, keys.scores, score_views, samples, solved, segments, movements, progress)
-        table = without_gaps(table, footage.cameras, frames)
+        table = cache.remember(CLOSER, keys.closer, look_closer, table, footage, segments, movements, progress)
+        merits = cache.remember(MERITS, keys.merits, pose_merits, samples, solved, movements, progress)
+        table = without_gaps(with_merits(table, [s.pose.range for s in solved], merits), footage.cameras, frames)
         shots = by["selector"].select(table, frames=frames, rate=rate)
         least_s = by["selector"].min_shot_s
         refine = partial(refine_switches, min_shot_s=least_s)

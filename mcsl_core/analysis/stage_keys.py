@@ -21,6 +21,8 @@ from mcsl_core.hooks.registry import Offer
 from mcsl_core.occlusion.scoring import score_views
 from mcsl_core.recording.damage import damage_of
 from mcsl_core.recording.sample_store import SampleStore
+from mcsl_core.selection.close_looks import look_closer
+from mcsl_core.selection.merits import pose_merits
 from mcsl_core.selection.switch_refinement import refine_switches
 from mcsl_core.sync.synchronise import synchronise
 
@@ -35,7 +37,9 @@ class StageKeys:
     samples: str
     movements: str
     poses: str
+    merits: str
     scores: str
+    closer: str
 
     def cuts(self, shots: Sequence[Shot], min_shot_s: float) -> str:
         """Of the switches refined, which depend on what the selector chose and promises, however it did."""
@@ -60,8 +64,10 @@ def stage_keys(
     poses = key_of(code_of(solve_poses), movements, reference, by["matcher"], by["aligner"], settings.solve)
     if drawn:
         poses = key_of(poses, [(each.range.start, each.range.stop, each.polygons) for each in drawn])
+    merits = key_of(code_of(pose_merits), poses)
     scores = key_of(code_of(score_views), poses, by["occlusion"])
-    return StageKeys(clocks, samples, movements, poses, scores)
+    closer = key_of(code_of(look_closer), scores)
+    return StageKeys(clocks, samples, movements, poses, merits, scores, closer)
 
 
 def clocks_key(cameras: Sequence[Camera], reference: str, settings: AnalysisSettings) -> str:

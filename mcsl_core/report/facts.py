@@ -12,6 +12,7 @@ from mcsl_core.edl import Camera, Edl, Override
 from mcsl_core.edl.resolve import Decision, resolve
 from mcsl_core.movement.protocol import Curve
 from mcsl_core.occlusion.score_table import ScoreTable
+from mcsl_core.selection.selectors import mean_known, sample_borders
 from mcsl_core.timing import FrameRange
 
 from .charts import Bar, Tick, bar, binned, bounds, coordinate, curve_path, short_time, time_ticks, x_of
@@ -313,8 +314,9 @@ def _lane(
         x, y = binned(scores.frames, values, edl.frames)
         curve = curve_path(x, y, edl.frames, 0, 1)
         filled = curve_path(x, y, edl.frames, 0, 1, closed=True)
-        told = values[scored(edl, scores)[0]]
-        visible = "" if np.isnan(told).all() else f"{float(np.nanmean(told)):.0%}"
+        told = scored(edl, scores)[0]
+        seen = mean_known(values[told], np.diff(sample_borders(scores, edl.frames))[told]) if len(values) else None
+        visible = "" if seen is None else f"{seen:.0%}"
     share = sum(len(p) for p in mine) / edl.frames
     return Lane(camera.name, colour, chosen, gaps, curve, filled, f"{share:.0%}", visible)
 

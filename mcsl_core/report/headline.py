@@ -9,6 +9,7 @@ from mcsl_core.edl import Edl
 from mcsl_core.edl.field import MIDDLE
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.occlusion.score_table import ScoreTable
+from mcsl_core.selection.selectors import mean_known, sample_borders
 
 from .charts import short_time
 from .field_words import FIELD, scored
@@ -84,16 +85,17 @@ def visible_field(edl: Edl, scores: ScoreTable | None) -> tuple[float | None, fl
     Returns
     -------
     shown, best : float or None
-        0..1, over the samples in which both are known; None without any. Of the field where it is known at some time,
+        0..1, over the time in which both are known; None without any. Of the field where it is known at some time,
         else of the middle of the picture; see `scored`.
     """
     if scores is None or not len(scores.frames):
         return None, None
     shown = scores.visible[np.arange(len(scores.frames)), _columns(edl, scores)]
-    known = ~np.isnan(shown) & scored(edl, scores)[0]
+    known, lengths = ~np.isnan(shown) & scored(edl, scores)[0], np.diff(sample_borders(scores, edl.frames))
     if not known.any():
         return None, None
-    return float(shown[known].mean()), float(np.nanmax(scores.visible[known], axis=1).mean())
+    best = np.nanmax(scores.visible[known], axis=1)
+    return mean_known(shown[known], lengths[known]), mean_known(best, lengths[known])
 
 
 def _columns(edl: Edl, scores: ScoreTable) -> np.ndarray:

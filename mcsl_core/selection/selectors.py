@@ -5,6 +5,7 @@ A sample stands for the frames around it: the border between two samples lies ha
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction
 
 import numpy as np
@@ -17,6 +18,7 @@ from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.timing import FrameRange
 
 from .protocol import MIN_SHOT_S, least_frames
+from .worth import ViewingWorth
 
 # Worse than any sum of visible field over a day at 60 frames a second, better than infinity: where every camera
 # is unusable the programme still shows one.
@@ -25,7 +27,7 @@ FORBIDDEN = -1e7
 
 @frozen
 class ShortestPath:
-    """Most visible field over the whole programme, with a cost per switch and a hard minimum shot length.
+    """The programme that is worth most to watch, with a cost per switch and a hard minimum shot length.
 
     Attributes
     ----------
@@ -33,6 +35,9 @@ class ShortestPath:
         No shot is shorter, in seconds (but a programme that is shorter itself is one shot).
     switch_cost_s : float
         A switch must gain so many seconds of fully visible field.
+    worth : ViewingWorth
+        How much a covered field counts against one that is partly covered, and what else counts: sharpness, how finely
+        a camera shows the field, how near it looks from where the reference camera does.
 
     Notes
     -----
@@ -41,6 +46,7 @@ class ShortestPath:
 
     min_shot_s: float = field(default=MIN_SHOT_S)
     switch_cost_s: float = field(default=0.5)
+    worth: ViewingWorth = field(factory=ViewingWorth)
     name = "shortest-path"
 
     def select(self, table: ScoreTable, *, frames: int, rate: Fraction) -> tuple[Shot, ...]:
@@ -52,12 +58,14 @@ class ShortestPath:
             Where the table has no sample.
         """
         borders = sample_borders(table, frames)
-        value = worth(table, borders)
+        deductions = tuple(self.worth.deductions(table))
+        each = self.worth.of(_known(table)) - sum(off for _, off in deductions)
+        value = np.where(table.usable, each, FORBIDDEN) * np.diff(borders)[:, None]
         total = np.vstack([np.zeros(value.shape[1]), np.cumsum(value, axis=0)])
         choice = _best_path(
             total, borders, least=least_frames(self.min_shot_s, rate), cost=self.switch_cost_s * float(rate)
         )
-        return shots_from(choice, table, borders, "{visible}{next}")
+        return shots_from(choice, table, borders, "{visible}{next}", deductions)
 
 
 @frozen
@@ -172,14 +180,16 @@ def worth(table: ScoreTable, borders: NDArray[np.int64]) -> NDArray[np.float64]:
     Where there is no data, as while the lamp moves, the line between what was seen before and after stands for it (a
     head is likely to be still there); 0 for a camera without any.
     """
-    seen = table.visible.copy()
-    for column in seen.T:
-        known = ~np.isnan(column)
-        column[~known] = np.interp(table.frames[~known], table.frames[known], column[known]) if known.any() else 0.0
-    return np.where(table.usable, seen, FORBIDDEN) * np.diff(borders)[:, None]
+    return np.where(table.usable, _known(table), FORBIDDEN) * np.diff(borders)[:, None]
 
 
-def shots_from(choice: NDArray[np.int64], table: ScoreTable, borders: NDArray[np.int64], why: str) -> tuple[Shot, ...]:
+def shots_from(
+    choice: NDArray[np.int64],
+    table: ScoreTable,
+    borders: NDArray[np.int64],
+    why: str,
+    deductions: Iterable[tuple[str, NDArray[np.float64]]] = (),
+) -> tuple[Shot, ...]:
     """Shots from the camera chosen for every sample.
 
     Parameters
@@ -193,6 +203,9 @@ def shots_from(choice: NDArray[np.int64], table: ScoreTable, borders: NDArray[np
     why : str
         The reason to write to each shot; ``{visible}`` in it becomes what the camera sees over the shot and ``{next}``
         which other camera sees most.
+    deductions : iterable of (str, (S, C) float array), optional
+        What else was weighed: its name, and what it takes off each camera at each sample, as a share of the field.
+        Written behind what a camera sees where it is a hundredth or more.
 
     Returns
     -------
@@ -200,24 +213,56 @@ def shots_from(choice: NDArray[np.int64], table: ScoreTable, borders: NDArray[np
         Tiling [0, borders[S]); neighbours differ in their camera. A shot's score is the mean visible field, 0..1.
     """
     starts = np.flatnonzero(np.concatenate([[True], np.diff(choice) != 0]))
+    lengths, deductions = np.diff(borders), tuple(deductions)
     shots = []
     for start, stop in zip(starts, [*starts[1:], len(choice)], strict=True):
-        camera = int(choice[start])
-        seen = table.visible[start:stop]
-        known = seen[:, camera][~np.isnan(seen[:, camera])]
-        score = float(known.mean()) if len(known) else None
-        others = []
-        for other, name in enumerate(table.cameras):
-            if other != camera and table.usable[start:stop, other].any() and not np.isnan(seen[:, other]).all():
-                others.append((float(np.nanmean(seen[:, other])), name))
+        camera, rows = int(choice[start]), slice(int(start), int(stop))
+        seen = [mean_known(column, lengths[rows]) for column in table.visible[rows].T]
+        usable = np.any(table.usable[rows], axis=0)
+        others = [(s, -c) for c, s in enumerate(seen) if s is not None and c != camera and usable[c]]
+
+        def told(c: int, rows: slice = rows) -> str:
+            means = [(name, float(np.average(off[rows, c], weights=lengths[rows]))) for name, off in deductions]
+            marks = ", ".join(f"{name} -{off:.0%}" for name, off in means if off >= 0.01)
+            return f" ({marks})" if marks else ""
+
+        score = seen[camera]
         best = max(others, default=None)
         text = why.format(
-            visible=f"sees {score:.0%} of the field" if score is not None else "no score in this stretch",
-            next=f", next best {best[1]} {best[0]:.0%}" if best else "",
+            visible=f"sees {score:.0%} of the field{told(camera)}" if score is not None else "no score in this stretch",
+            next=f", next best {table.cameras[-best[1]]} {best[0]:.0%}{told(-best[1])}" if best else "",
         )
         span = FrameRange(int(borders[start]), int(borders[stop]))
-        shots.append(Shot(span, table.cameras[camera], round(score or 0.0, 4), text))
+        shots.append(Shot(span, table.cameras[camera], round(min(score or 0.0, 1.0), 4), text))
     return tuple(shots)
+
+
+def mean_known(values: NDArray[np.float64], lengths: NDArray[np.int64]) -> float | None:
+    """The mean of what is known: samples are closer where much changes, and must not count more there.
+
+    Parameters
+    ----------
+    values : (N,) float array
+        Of samples, NaN where there is no data.
+    lengths : (N,) int array
+        How many frames each sample stands for.
+
+    Returns
+    -------
+    float or None
+        None where nothing is known.
+    """
+    known = ~np.isnan(values)
+    return float(np.average(values[known], weights=lengths[known])) if known.any() else None
+
+
+def _known(table: ScoreTable) -> NDArray[np.float64]:
+    """(S, C): visible field, and where there is no data the line between what was seen before and after, or 0."""
+    seen = table.visible.copy()
+    for column in seen.T:
+        known = ~np.isnan(column)
+        column[~known] = np.interp(table.frames[~known], table.frames[known], column[known]) if known.any() else 0.0
+    return seen
 
 
 def _best_path(total: NDArray[np.float64], borders: NDArray[np.int64], *, least: int, cost: float) -> NDArray[np.int64]:

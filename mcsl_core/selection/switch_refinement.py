@@ -94,7 +94,7 @@ def refine_switches(
         frames = range(scored.start, scored.stop, step)
         gain = _visible(before.camera, frames, footage, segment) - _visible(after.camera, frames, footage, segment)
         lacks = _gaps(footage, after.camera, scored) - _gaps(footage, before.camera, scored)
-        return _clearest(switch, scored, np.array(frames), gain, lacks)
+        return clearest(switch, scored, np.array(frames), gain, lacks)
 
     progress.stage("Refining the switches", len(shots) - 1, "switches")
     switches: list[int] = []
@@ -189,17 +189,32 @@ def _gaps(footage: Footage, camera: str, span: FrameRange) -> NDArray[np.float64
     return np.array([footage.has_gap(camera, frame) for frame in span], np.float64)
 
 
-def _clearest(
+def clearest(
     switch: int,
     span: FrameRange,
     frames: NDArray[np.int64],
     gain: NDArray[np.float64],
     lacks: NDArray[np.float64],
 ) -> int:
-    """The frame of ``span`` to switch at: most visible field in the camera before up to it, in the one after from it.
+    """The frame to switch at: most visible field in the camera before up to it, in the one after from it.
 
-    ``gain``: (N,) how much more of the field the camera before shows at each of ``frames``, NaN without picture.
-    ``lacks``: for each frame of ``span`` 1 in a gap of the camera after, -1 in one of the camera before, else 0.
+    Parameters
+    ----------
+    switch : int
+        Where the samples put it.
+    span : FrameRange
+        Where it may go.
+    frames : (N,) int array
+        Frames of ``span`` that are scored, rising.
+    gain : (N,) float array
+        How much more of the field the camera before shows at each of them, NaN without picture.
+    lacks : (len(span),) float array
+        For each frame of ``span`` 1 in a gap of the camera after, -1 in one of the camera before, else 0.
+
+    Returns
+    -------
+    int
+        A frame of ``span``; of equals the one nearest to ``switch``.
     """
     known = ~np.isnan(gain)
     if known.sum() < 2 and not lacks.any():

@@ -22,7 +22,7 @@ from mcsl_core.hooks.registry import Plugins, discover
 from mcsl_core.hooks.stages import STAGES
 from mcsl_core.timing import FrameRange
 
-STAGE_NAMES = ("clocks", "samples", "movements", "poses", "scores", "cuts")
+STAGE_NAMES = ("clocks", "samples", "movements", "poses", "merits", "scores", "closer", "cuts")
 SHOTS = (Shot(FrameRange(0, 50), "a"), Shot(FrameRange(50, 90), "b"))
 
 

@@ -12,7 +12,9 @@ from hypothesis import strategies as st
 
 from mcsl_core.errors import UsageError
 from mcsl_core.occlusion.score_table import ScoreTable
+from mcsl_core.selection.merits import MERITS
 from mcsl_core.selection.selectors import Fixed, LeastOccluded, ShortestPath, sample_borders
+from mcsl_core.selection.worth import ViewingWorth
 from mcsl_core.timing import check_tiles
 
 SELECTORS = [ShortestPath(), LeastOccluded(), Fixed()]
@@ -26,7 +28,8 @@ def tables(draw: st.DrawFn, samples: int = 7, cameras: int = 3) -> tuple[ScoreTa
     visible = rng.random((s, c))
     visible[rng.random((s, c)) < 0.1] = np.nan
     usable = rng.random((s, c)) < 0.9
-    table = ScoreTable(frames, tuple(f"cam{i}" for i in range(c)), visible, usable)
+    merits = {name: rng.random((s, c)) for name in draw(st.sampled_from([(), ("sharpness",), MERITS]))}
+    table = ScoreTable(frames, tuple(f"cam{i}" for i in range(c)), visible, usable, merits)
     return table, int(frames[-1]) + draw(st.integers(1, 9))
 
 
@@ -48,20 +51,25 @@ def known(table: ScoreTable, i: int, c: int) -> float:
     )
 
 
-def value(table: ScoreTable, borders: np.ndarray, choice: tuple[int, ...], cost: float) -> float:
+def value(table: ScoreTable, borders: np.ndarray, choice: tuple[int, ...], cost: float, taste: ViewingWorth) -> float:
     total = 0.0
     for i, c in enumerate(choice):
-        worth = known(table, i, c) if table.usable[i, c] else -1e7
+        seen = known(table, i, c)
+        worth = seen - taste.covered * (1 - seen) * (1 - seen)
+        worth -= sum(getattr(taste, name) * (1 - merit[i, c]) for name, merit in table.merits.items())
+        worth = worth if table.usable[i, c] else -1e7
         total += worth * (borders[i + 1] - borders[i])
     return total - cost * sum(a != b for a, b in pairwise(choice))
 
 
-@given(tables(), st.integers(1, 20), st.floats(0, 5))
+@given(tables(), st.integers(1, 20), st.floats(0, 5), st.sampled_from([0.0, 2.0, 7.0]))
 @settings(max_examples=150, deadline=None)
-def test_shortest_path_is_the_best_of_all_cuts(drawn, min_frames: int, cost: float) -> None:
+def test_shortest_path_is_the_best_of_all_cuts(drawn, min_frames: int, cost: float, covered: float) -> None:
     table, frames = drawn
     borders = sample_borders(table, frames)
-    shots = ShortestPath(min_shot_s=min_frames, switch_cost_s=cost).select(table, frames=frames, rate=Fraction(1))
+    taste = ViewingWorth(covered=covered)
+    selector = ShortestPath(min_shot_s=min_frames, switch_cost_s=cost, worth=taste)
+    shots = selector.select(table, frames=frames, rate=Fraction(1))
     check_tiles((s.range for s in shots), frames, "shots")
     assert len(shots) == 1 or min(len(s.range) for s in shots) >= min_frames
     choice = tuple(
@@ -72,8 +80,8 @@ def test_shortest_path_is_the_best_of_all_cuts(drawn, min_frames: int, cost: flo
     for other in product(range(len(table.cameras)), repeat=len(table.frames)):
         cuts = [0, *(int(borders[i]) for i in range(1, len(other)) if other[i] != other[i - 1]), frames]
         if len(cuts) == 2 or min(b - a for a, b in pairwise(cuts)) >= min_frames:
-            best = max(best, value(table, borders, other, cost))
-    assert value(table, borders, choice, cost) == pytest.approx(best, rel=1e-9, abs=1e-6)
+            best = max(best, value(table, borders, other, cost, taste))
+    assert value(table, borders, choice, cost, taste) == pytest.approx(best, rel=1e-9, abs=1e-6)
 
 
 @pytest.mark.parametrize("selector", SELECTORS, ids=lambda s: s.name)
