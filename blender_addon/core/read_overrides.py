@@ -107,6 +107,12 @@ def read_edl(edl: Edl, state: SequencerState) -> Edl:
     check_times(edl, state.scene, state.films, shots, state.tracks)
     edl = attrs.evolve(edl, look=attrs.evolve(edl.look, **dict(state.look)))
     if state.drawn_fields is not None:
+        if any(drawn.range.stop > edl.frames for drawn in state.drawn_fields):
+            what, remedy = (
+                f"a field is drawn past the programme's {edl.frames} frames",
+                "Draw it again in the panel's Look",
+            )
+            raise InputError(what, remedy=remedy)
         edl = attrs.evolve(edl, drawn_fields=state.drawn_fields)
     return attrs.evolve(edl, overrides=read_overrides(edl, state), corrections=read_corrections(edl, state.cameras))
 

@@ -10,7 +10,7 @@ from blender_addon.core.field import from_text, stretch_at, to_text, with_field,
 from blender_addon.core.read_overrides import read_edl
 from blender_addon.core.strip_plan import make_plan
 from mcsl_core.edl import DrawnField
-from mcsl_core.errors import Fault
+from mcsl_core.errors import InputError
 
 CORNERS = ((100.0, 60.0), (200.0, 60.0), (150.0, 140.0))
 
@@ -61,5 +61,5 @@ def test_the_scene_says_nothing_or_all():
     untouched = state_of(make_plan(edl))
     assert read_edl(edl, untouched) == edl
     assert read_edl(edl, attrs.evolve(untouched, drawn_fields=())).drawn_fields == ()
-    with pytest.raises(Fault, match="ends after the programme"):
+    with pytest.raises(InputError, match="past the programme's 300 frames"):
         read_edl(edl, attrs.evolve(untouched, drawn_fields=(DrawnField(R(0, 900), (CORNERS,)),)))
