@@ -191,7 +191,7 @@ def test_what_is_rendered_is_saved_first(programme, tmp_path: Path) -> None:
     programme.save()
     heard = Notes()
     out = programme.render(str(tmp_path / "out.mp4"), engine="direct", progress=heard)
-    assert heard.stages == ["Writing the programme"]
+    assert heard.stages == ["Reading the files", "Writing the programme"]
     with av.open(str(out)) as container:
         assert sum(1 for _ in container.decode(video=0)) == FRAMES
 
