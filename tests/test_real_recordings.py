@@ -85,6 +85,20 @@ def test_homographies_of_one_board_agree_with_its_published_corners(shared_data:
 
 
 @pytest.mark.slow
+def test_cameras_that_no_common_plane_ties_are_weak(shared_data: Path, tmp_path: Path) -> None:
+    """Some forty places matched by chance used to tie two of them, which were shown warped for the whole programme."""
+    made = analyse(
+        [shared_data / "four_cameras" / "board"],
+        tmp_path / "edl.json",
+        settings=AnalysisSettings(),
+        plugins=discover(),
+        progress=Silent(),
+    )
+    assert made.poses[0].weak_cameras == {c.name for c in made.cameras} - {made.reference}
+    assert {s.camera for s in made.shots} == {made.reference}
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["pair", "board"])
 def test_a_real_recording_passes_through_to_a_video(shared_data: Path, tmp_path: Path, name: str) -> None:
     """Rooms seen from far apart have no common plane: what cannot be tied is named with the reason, and the rest is

@@ -183,7 +183,7 @@ def field_that_stays(aligned: AlignedPose, by_hue: Mask, dense: Pairs) -> Mask:
     by_hue : (H, W) bool array
         The field in the modal picture.
     dense : mapping of (str, str) to Correspondences
-        The matches of every pair of cameras; see `match_densely`.
+        The matches of every pair of cameras; see `match_densely`. Those of cameras that are not tied in say nothing.
 
     Returns
     -------
@@ -196,13 +196,14 @@ def field_that_stays(aligned: AlignedPose, by_hue: Mask, dense: Pairs) -> Mask:
     """
     stays = np.zeros((aligned.size[1], aligned.size[0]), np.uint8)
     to_aligned = scaling(aligned.camera_sizes[aligned.reference], aligned.size)
-    for (a, _), matches in dense.items():
+    tied = {pair: matches for pair, matches in dense.items() if aligned.homographies.keys() >= set(pair)}
+    for (a, _), matches in tied.items():
         points = np.round(transform_points(to_aligned @ aligned.homographies[a], matches.a)).astype(int)
         inside = ((points >= 0) & (points < aligned.size)).all(axis=1) & (matches.weight > 0.6)
         seen = np.zeros_like(stays)
         seen[points[inside, 1], points[inside, 0]] = 1
         stays += cv2.dilate(seen, np.ones((7, 7), np.uint8))  # pyright: ignore[reportOperatorIssue]
-    field = close_gaps(main_region((stays >= min(2, len(dense))) & by_hue), gap=0.04)
+    field = close_gaps(main_region((stays >= min(2, len(tied))) & by_hue), gap=0.04)
     if field.sum() >= 0.3 * by_hue.sum() > 0:
         return field
     return by_hue if by_hue.any() else central_ellipse(aligned.size)

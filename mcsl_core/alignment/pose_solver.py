@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from attrs import frozen
 
-from mcsl_core.edl import Colour, Pose
+from mcsl_core.edl import Colour, Pose, Weak
 from mcsl_core.edl.field import MIDDLE, PICTURES
 from mcsl_core.imaging.geometry import scaling, size_at_columns, to_edl_matrix
 from mcsl_core.imaging.masks import Mask, central_ellipse, convex_hull, resize_mask
@@ -28,8 +28,10 @@ from .correspondences import Pairs
 from .dense_matching import AlignedCamera, DenseSettings, match_densely
 from .field import field_by_hue, field_by_vote, field_in_camera, field_that_stays, modal_picture, shared_aim
 from .observations import Observations, Samples, SolvedPose, match_cameras, observe, spread, weight_matches
+from .photo_consistency import Agreement, LaidView, refuted
 from .protocol import Aligner, Alignment, Matcher
 from .settings import SolveSettings
+from .steady import SteadyView, steady_view
 
 ONE_AIM = 0.94  # cameras that aim at one place; see `shared_aim`
 STEADY = 6  # levels of 255 that a pixel may be off its median half of the time: noise and breathing, not hands
@@ -103,12 +105,12 @@ class PoseSolver:
         # In a field that is known its hue says nothing more.
         how = settings.dense if known is None else attrs.evolve(settings.dense, other_hue=1.0)
         dense = self._densely(first, by_hue, pictures, how)
-        alignment = self._together(first, by_points, dense)
-        for weak in alignment.weak:
-            progress.note(f"frames {frames}: camera {weak.camera} is weak: {weak.reason}")
+        tied = self._together(first, by_points, dense)
+        alignment = self._confirmed(tied, pictures)
+        _tell_of_weak(alignment, frames, progress)
         aligned = self._aligned(alignment, settings.scene_width)
         field = resize_mask(by_hue, aligned.size)
-        sure = known is not None or (bool(by_hue.any()) and shared_aim(aligned) >= ONE_AIM)
+        sure = known is not None or bool(by_hue.any() and shared_aim(self._aligned(tied, aligned.size[0])) >= ONE_AIM)
         if known is None:
             field = field_that_stays(aligned, field, dense) if sure else central_ellipse(aligned.size)
         aligned = attrs.evolve(aligned, field=field)
@@ -197,11 +199,55 @@ class PoseSolver:
             return first
         return attrs.evolve(final, weak=first.weak)
 
+    def _confirmed(self, alignment: Alignment, pictures: Sequence[Mapping[str, Picture | None]]) -> Alignment:
+        """The alignment without the cameras that the pictures refute: they are weak."""
+        steady = {name: steady_view([shown.get(name) for shown in pictures]) for name in alignment.homographies}
+        size = size_at_columns(self.sizes[self.reference], self.settings.dense_width)
+        reach = round(self.settings.alignment.relief * float(np.hypot(*size)))
+        laid = self._laid(self._aligned(alignment, size[0]), steady)
+        return _without(alignment, refuted(laid, self.reference, reach)) if self.reference in laid else alignment
+
+    def _laid(self, aligned: AlignedPose, steady: Mapping[str, SteadyView | None]) -> dict[str, LaidView]:
+        """Every camera's steady view in aligned pixels."""
+        laid = {}
+        for name in aligned.homographies:
+            view = steady.get(name)
+            if view is None:
+                continue
+            warp = aligned.warp_of(name, (view.picture.shape[1], view.picture.shape[0]))
+            grey = cv2.warpPerspective(cv2.cvtColor(view.picture, cv2.COLOR_BGR2GRAY), warp, aligned.size)
+            mask = cv2.warpPerspective(view.steady.astype(np.uint8), warp, aligned.size, flags=cv2.INTER_NEAREST)
+            laid[name] = LaidView(np.asarray(grey, np.uint8), mask > 0)
+        return laid
+
     def _aligned(self, alignment: Alignment, columns: int) -> AlignedPose:
         """The aligned pose of so many columns; where its field lies is not known yet."""
         size = size_at_columns(self.sizes[self.reference], columns)
         nowhere = np.zeros((size[1], size[0]), bool)
         return AlignedPose(size, self.reference, alignment.homographies, self.sizes, nowhere)
+
+
+def _tell_of_weak(alignment: Alignment, frames: FrameRange, progress: Progress) -> None:
+    for weak in alignment.weak:
+        progress.note(f"frames {frames}: camera {weak.camera} is weak: {weak.reason}")
+
+
+def _without(alignment: Alignment, wrong: Mapping[str, Agreement]) -> Alignment:
+    """The alignment without the cameras that the pictures refute, which are weak."""
+    weak = [
+        Weak(
+            name,
+            f"where its matches lay it, only {found.found} of {found.tried} places look as in the other cameras, "
+            "no more than by chance: they show different things, or hardly overlap",
+        )
+        for name, found in sorted(wrong.items())
+    ]
+    return Alignment(
+        {name: h for name, h in alignment.homographies.items() if name not in wrong},
+        {name: v for name, v in alignment.residual_px.items() if name not in wrong},
+        {name: v for name, v in alignment.support.items() if name not in wrong},
+        (*alignment.weak, *weak),
+    )
 
 
 def _degree_of_occlusion(samples: Samples, position: int) -> float:
