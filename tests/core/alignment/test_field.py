@@ -6,7 +6,8 @@ import cv2
 import numpy as np
 
 from mcsl_core.alignment.aligned_views import AlignedPose
-from mcsl_core.alignment.field import field_by_hue, modal_picture, shared_aim
+from mcsl_core.alignment.correspondences import Correspondences
+from mcsl_core.alignment.field import field_by_hue, field_that_stays, modal_picture, shared_aim
 from mcsl_core.imaging.masks import central_ellipse, close_gaps, convex_hull
 
 SIZE = (240, 136)
@@ -90,3 +91,16 @@ def test_cameras_of_a_lamp_aim_at_one_place_and_those_about_a_room_do_not() -> N
     assert aim(0, turned=72) > 0.99
     assert aim(6, turned=72) > 0.97
     assert aim(60) < 0.8
+
+
+def test_a_camera_whose_tie_was_refused_has_no_say_in_what_stays() -> None:
+    grid = np.stack(np.meshgrid(np.arange(80, 160, 4), np.arange(45, 95, 4)), axis=-1).reshape(-1, 2).astype(float)
+    ones = np.ones(len(grid))
+    dense = {
+        ("cam1", "cam2"): Correspondences(grid, grid, ones, ones.astype(np.int64)),
+        ("cam2", "cam4"): Correspondences(grid - 30, grid, ones, ones.astype(np.int64)),
+        ("cam4", "cam5"): Correspondences(grid - 30, grid, ones, ones.astype(np.int64)),
+    }
+    by_hue = np.zeros((SIZE[1], SIZE[0]), bool)
+    by_hue[FIELD] = True
+    assert overlap(field_that_stays(aligned(), by_hue, dense)) > 0.8
