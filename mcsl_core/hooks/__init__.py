@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from mcsl_core.occlusion.consensus import Consensus, Cut
     from mcsl_core.occlusion.protocol import OcclusionDetector, OcclusionScorer
     from mcsl_core.occlusion.score_table import ScoreTable
+    from mcsl_core.outputs.claim import claim, claim_folder
+    from mcsl_core.outputs.manifest import Manifest
     from mcsl_core.progress import Progress, Silent
     from mcsl_core.recording.footage import Footage
     from mcsl_core.recording.sample_store import Sample, SampleStore
@@ -58,6 +60,7 @@ __all__ = [
     "Footage",
     "FrameRange",
     "InputError",
+    "Manifest",
     "Mask",
     "Matcher",
     "McslError",
@@ -77,6 +80,8 @@ __all__ = [
     "Silent",
     "UsageError",
     "Weak",
+    "claim",
+    "claim_folder",
     "discover",
     "hookimpl",
     "main_region",
@@ -122,6 +127,8 @@ __getattr__, __dir__ = lazy_names(
         "mcsl_core.occlusion.consensus": ("Consensus", "Cut"),
         "mcsl_core.occlusion.protocol": ("OcclusionDetector", "OcclusionScorer"),
         "mcsl_core.occlusion.score_table": ("ScoreTable",),
+        "mcsl_core.outputs.claim": ("claim", "claim_folder"),
+        "mcsl_core.outputs.manifest": ("Manifest",),
         "mcsl_core.progress": ("Progress", "Silent"),
         "mcsl_core.recording.footage": ("Footage",),
         "mcsl_core.recording.sample_store": ("Sample", "SampleStore"),

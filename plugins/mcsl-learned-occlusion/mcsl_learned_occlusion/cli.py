@@ -8,9 +8,7 @@ from pathlib import Path
 import click
 
 import mcsl_core as mcsl
-from mcsl_core.hooks import Cancelled, McslError, UsageError
-from mcsl_core.outputs.claim import claim
-from mcsl_core.outputs.manifest import Manifest
+from mcsl_core.hooks import Cancelled, Manifest, McslError, UsageError, claim
 
 FORCE = click.option("--force", is_flag=True, help="Replace what mcsl-label did not write or was changed since.")
 PATH = click.Path(path_type=Path)

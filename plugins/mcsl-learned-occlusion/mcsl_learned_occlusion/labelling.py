@@ -23,13 +23,14 @@ from mcsl_core.hooks import (
     Cut,
     FrameRange,
     InputError,
+    Manifest,
     Progress,
+    claim,
+    claim_folder,
     read_arrays,
     size_at_columns,
     write_atomic,
 )
-from mcsl_core.outputs.claim import claim, claim_folder
-from mcsl_core.outputs.manifest import Manifest
 
 from .features import Seen, backgrounds, seen_of, to_cut, whole
 from .model import CLASSES
