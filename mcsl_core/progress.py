@@ -71,6 +71,28 @@ class Silent:
 
 
 @define
+class HeldNotes:
+    """Keeps what is told of work that may not count; `tell` hands it on."""
+
+    progress: Progress
+    notes: list[str] = field(factory=list)
+
+    def stage(self, name: str, total: int | None = None, unit: str = "") -> None:
+        self.progress.stage(name, total, unit)
+
+    def advance(self, done: int) -> None:
+        self.progress.advance(done)
+
+    def note(self, text: str) -> None:
+        self.notes.append(text)
+
+    def tell(self) -> None:
+        """Tells what was kept, in order."""
+        for text in self.notes:
+            self.progress.note(text)
+
+
+@define
 class JsonLines:
     """One JSON object a line, flushed at once; at most ``per_second`` counts a second, the last of a stage always."""
 

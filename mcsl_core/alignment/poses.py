@@ -13,7 +13,7 @@ from mcsl_core.edl import DrawnField, Movement
 from mcsl_core.edl.field import drawn_over
 from mcsl_core.imaging.geometry import scaling, size_at_columns, to_edl_matrix, transform_points
 from mcsl_core.imaging.masks import Mask, polygon_mask
-from mcsl_core.progress import Progress, Silent
+from mcsl_core.progress import HeldNotes, Progress
 from mcsl_core.recording.sample_store import SampleStore
 from mcsl_core.timing import FrameRange
 
@@ -72,27 +72,25 @@ class _Recording:
 
     def solved(self, within: FrameRange, standing: Sequence[int], earlier: Sequence[SolvedPose]) -> SolvedPose:
         """A pose, anchored; once more by the field that is drawn, which is known in its pictures by its anchor."""
-        awaited = any(polygons for _, polygons in drawn_over(self.drawn, within))
-        progress = Silent() if awaited else self.progress  # what is told is told of the pose that counts
-        found = self._anchored(
-            _solved(self.solver, within, standing, self.samples, earlier, progress), earlier, progress
-        )
-        drawn = self._drawn_in(found)
+        held = HeldNotes(self.progress)  # what is told is told of the pose that counts
+        found = self._anchored(_solved(self.solver, within, standing, self.samples, earlier, held), earlier, held)
+        drawn = self._drawn_in(found, held)
         if not drawn:
+            held.tell()
             return found
-        held = sum(len(piece) for piece, _ in drawn) == len(within)
-        known = np.logical_or.reduce([mask for _, mask in drawn] + ([] if held else [found.aligned.field]))
+        whole = sum(len(piece) for piece, _ in drawn) == len(within)
+        known = np.logical_or.reduce([mask for _, mask in drawn] + ([] if whole else [found.aligned.field]))
         again = _solved(self.solver, within, standing, self.samples, earlier, self.progress, known)
         again = self._anchored(again, earlier, self.progress)
-        aligned = attrs.evolve(again.aligned, field=known if held else found.aligned.field)
+        aligned = attrs.evolve(again.aligned, field=known if whole else found.aligned.field)
         again = attrs.evolve(again, aligned=aligned, field_by=found.field_by)
-        return attrs.evolve(again, drawn=self._drawn_in(again) or drawn)
+        return attrs.evolve(again, drawn=self._drawn_in(again, self.progress) or drawn)
 
     def _anchored(self, pose: SolvedPose, earlier: Sequence[SolvedPose], progress: Progress) -> SolvedPose:
         solver = self.solver
         return anchor(pose, earlier, self.samples, matcher=solver.matcher, settings=solver.settings, progress=progress)
 
-    def _drawn_in(self, pose: SolvedPose) -> tuple[tuple[FrameRange, Mask], ...]:
+    def _drawn_in(self, pose: SolvedPose, progress: Progress) -> tuple[tuple[FrameRange, Mask], ...]:
         """What is drawn over a pose, as masks of its aligned picture, but for what lies outside of that."""
         aligned = pose.aligned
         full = aligned.camera_sizes[aligned.reference]
@@ -106,7 +104,7 @@ class _Recording:
             if mask.any():
                 found.append((piece, mask))
             else:
-                self.progress.note(f"frames {piece}: the field that is drawn lies outside of the picture then")
+                progress.note(f"frames {piece}: the field that is drawn lies outside of the picture then")
         return tuple(found)
 
 

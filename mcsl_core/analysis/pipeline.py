@@ -75,8 +75,9 @@ def analyse(
     place = EdlPlace.claimed(out, recording, settings.gaze, force=force)
     with place.held():
         made = _analysed(recording, place, settings, chosen, progress)
+        remembered = edl.remember(made, out)  # before anything is told: a note may stop the work
         tell_of_fields(made, progress)
-        if not edl.remember(made, out):
+        if not remembered:
             progress.note("that this EDL was made here cannot be remembered: other commands will want --allow-outside")
     return made
 

@@ -26,8 +26,8 @@ class ScoreTable:
     usable : (S, C) bool array
         False where no automatic shot may use the camera: it is weak, or has no picture.
     merits : mapping of str to (S, C) float array, optional
-        How well each camera shows the field, whatever is in its way: name of the merit (``sharpness``, ``fineness``,
-        ``closeness``; there may be others, or none) -> 0 (not at all) to 1 (as well as any).
+        How well each camera shows the field, whatever is in its way: name of the merit (``sharpness``, ``resolution``,
+        ``viewpoint``; there may be others, or none) -> 0 (not at all) to 1 (as well as any).
 
     Raises
     ------

@@ -36,7 +36,7 @@ class CloseLookSettings:
 
     Notes
     -----
-    On simulated heads that come and go within a second or two three fifths of the recording were looked at closely,
+    On simulated heads that come and go within a second or two half of the recording were looked at closely,
     with heads that stay for some seconds a tenth; every frame of it scored so gained 0.4 % of the field at most.
     """
 

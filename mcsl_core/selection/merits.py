@@ -3,9 +3,9 @@
 Measured once a pose, from a few samples. Each merit is 0 (not at all) to 1 (as well as any camera of the pose):
 
 - **sharpness**: how much of the field's finest detail is left, against the sharpest camera.
-- **fineness**: how many pixels the camera has across the field, against the one that has most. A camera that sees the
+- **resolution**: how many pixels the camera has across the field, against the one that has most. A camera that sees the
   field steeply has fewer: it shows it shortened.
-- **closeness**: how near it looks from where the reference camera does, whose perspective the programme keeps.
+- **viewpoint**: how near it looks from where the reference camera does, whose perspective the programme keeps.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ from mcsl_core.recording.sample_store import SampleStore
 from mcsl_core.timing import FrameRange
 
 Array = NDArray[np.float64]
-MERITS = ("sharpness", "fineness", "closeness")
+MERITS = ("sharpness", "resolution", "viewpoint")
 _SAMPLES = 16  # of a pose that sharpness is measured in
 # Of the sharpest camera's detail (as energy) that counts as sharp: five sharp simulated cameras had 0.85 and more, four
 # real ones over a photograph 0.69 to 1, the fifth, blurred by about a pixel of 360 rows, 0.42.
 _SHARP = 0.7
 _LEAST_DETAIL = 0.5  # levels squared, of 255: below it a field is too plain to say how sharp it is
 _SOME_PIXELS = 200
-_FAR = 2.0  # times the middle of the cameras' differences to the reference camera: no closeness left
+_FAR = 2.0  # times the middle of the cameras' differences to the reference camera: nothing left
 
 
 def pose_merits(
@@ -64,7 +64,7 @@ def pose_merits(
     for number, pose in enumerate(solved):
         aligned = pose.aligned
         standing = spread(samples.standing(pose.pose.range, movements), _SAMPLES)
-        measured = sharpness(aligned, samples, standing), fineness(aligned), closeness(aligned)
+        measured = sharpness(aligned, samples, standing), resolution(aligned), viewpoint(aligned)
         for merit, of_cameras in zip(MERITS, measured, strict=True):
             for camera, value in of_cameras.items():
                 found[merit][number, samples.cameras.index(camera)] = value
@@ -148,7 +148,7 @@ def fine_detail(pictures: Sequence[Picture], mask: Mask) -> float | None:
     return max(fine, 0.0) / coarse if coarse > _LEAST_DETAIL else None
 
 
-def fineness(aligned: AlignedPose) -> dict[str, float]:
+def resolution(aligned: AlignedPose) -> dict[str, float]:
     """How finely each camera shows the field.
 
     Parameters
@@ -176,7 +176,7 @@ def fineness(aligned: AlignedPose) -> dict[str, float]:
     return {camera: value / most for camera, value in across.items()}
 
 
-def closeness(aligned: AlignedPose) -> dict[str, float]:
+def viewpoint(aligned: AlignedPose) -> dict[str, float]:
     """How near each camera's viewpoint is to the reference camera's.
 
     Parameters

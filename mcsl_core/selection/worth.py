@@ -26,7 +26,7 @@ class ViewingWorth:
     covered : float
         How many seconds more than one a second of a wholly covered field costs. 0 counts a second of it as ten seconds
         with a tenth covered; the 2 that is the default as twenty-five.
-    sharpness, fineness, closeness : float
+    sharpness, resolution, viewpoint : float
         What a camera that lacks this merit altogether counts less, as a share of the field: see
         `mcsl_core.selection.merits`.
 
@@ -38,8 +38,8 @@ class ViewingWorth:
 
     covered: float = field(default=2.0)
     sharpness: float = field(default=0.3)
-    fineness: float = field(default=0.05)
-    closeness: float = field(default=0.02)
+    resolution: float = field(default=0.05)
+    viewpoint: float = field(default=0.02)
 
     def of(self, visible: NDArray[np.float64]) -> NDArray[np.float64]:
         """The worth of so much visible field, any shape, -``covered`` to 1; it rises, the faster the less is seen."""

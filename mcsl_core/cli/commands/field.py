@@ -16,7 +16,10 @@ from mcsl_core.edl import Edl
 from mcsl_core.edl.edits import clear_field, draw_field
 from mcsl_core.edl.field import HAND, MIDDLE, PICTURES, Polygon, awaits_analysis, fields_now
 from mcsl_core.errors import Fault, UsageError
+from mcsl_core.outputs.claim import claim
+from mcsl_core.outputs.inputs import inputs_of
 from mcsl_core.outputs.locks import changing
+from mcsl_core.outputs.manifest import Manifest
 from mcsl_core.timing import FrameRange, format_time
 
 _WORDS = {
@@ -84,7 +87,13 @@ def describe(edl: Edl) -> str:
 
 @click.command()
 @click.argument("edl", type=PATH)
-@click.option("--polygon", "polygons", metavar='"X,Y X,Y X,Y"', multiple=True, help="Draw it; several: any of them.")
+@click.option(
+    "--polygon",
+    "polygons",
+    metavar='"X,Y X,Y X,Y"',
+    multiple=True,
+    help="Its corners; repeat for a field of several parts.",
+)
 @click.option("--clear", is_flag=True, help="Take away what is drawn: the field is found in the pictures again.")
 @click.option("--range", "frames", metavar="A:B", help="Only in the programme's frames from A up to B.")
 @click.option("--from", "start", metavar="TIME", help="Only from here on: 1:02:03.5 or seconds.")
@@ -115,6 +124,8 @@ def field(
     piece = _piece(now, how["frames"], how["start"], how["stop"])
     if piece is not None and not polygons and not clear and show is None:
         raise UsageError("a stretch is named, but nothing to do there", remedy="See: mcsl field --help")
+    if show is not None:  # refused before anything is changed
+        claim(show, inputs=inputs_of(now, edl), manifest=Manifest.beside(edl), force=force)
     made = change_field(edl, polygons, clear=clear, piece=piece, note=how["note"])
     result, text = values(made), describe(made)
     if show is not None:

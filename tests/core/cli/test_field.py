@@ -130,4 +130,7 @@ def test_the_picture_shows_the_outline_where_corners_are_counted(path, tmp_path,
     out.write_bytes(b"mine")
     assert main(["field", str(path), "--show", str(out)]) == 3
     assert main(["field", str(path), "--show", str(path)]) == 3
+    before = path.read_bytes()
+    assert main(["field", str(path), "--polygon", corners, "--show", str(path)]) == 3
+    assert path.read_bytes() == before, "what cannot be shown is refused before anything is drawn"
     assert edls.load(path).drawn_fields

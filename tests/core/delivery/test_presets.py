@@ -87,6 +87,14 @@ def test_a_preset_has_no_encoder_open_files(tmp_path, options):
         presets.load_preset(path)
 
 
+def test_film_grain_is_a_number_in_av1(tmp_path):
+    value = json.loads((presets.presets_folder() / "h264.json").read_text())
+    value["direct"]["options"] |= {"svtav1-params": "film-grain=8:tune=0"}
+    path = tmp_path / "mine.json"
+    path.write_text(json.dumps(value))
+    assert presets.load_preset(path).direct.options["svtav1-params"] == "film-grain=8:tune=0"
+
+
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(InputError, match=r"none\.json.*does not exist"):
         presets.load_preset(tmp_path / "none.json")

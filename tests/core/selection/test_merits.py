@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from mcsl_core.alignment.aligned_views import AlignedPose
 from mcsl_core.occlusion.score_table import ScoreTable
-from mcsl_core.selection.merits import closeness, fineness, sharpness, with_merits
+from mcsl_core.selection.merits import resolution, sharpness, viewpoint, with_merits
 from mcsl_core.selection.selectors import Fixed, LeastOccluded, ShortestPath
 from mcsl_core.selection.worth import ViewingWorth
 from mcsl_core.simulation import Scenario
@@ -108,10 +108,10 @@ def test_fineness_is_pixels_across_the_field() -> None:
     half = np.diag([2.0, 2.0, 1.0])  # this camera has half as many pixels across what the reference camera shows
     squeezed = np.diag([1.0, 4.0, 1.0])  # seen at a slant: a quarter as high
     larger = np.diag([1 / 3, 1 / 3, 1.0])
-    found = fineness(pose({"cam1": np.eye(3), "half": half, "slant": squeezed}))
+    found = resolution(pose({"cam1": np.eye(3), "half": half, "slant": squeezed}))
     assert found == pytest.approx({"cam1": 1, "half": 0.5, "slant": 0.5})
     sizes = {"cam1": SIZE, "larger": (1920, 1080)}
-    assert fineness(pose({"cam1": np.eye(3), "larger": larger}, sizes)) == pytest.approx({"cam1": 1 / 3, "larger": 1})
+    assert resolution(pose({"cam1": np.eye(3), "larger": larger}, sizes)) == pytest.approx({"cam1": 1 / 3, "larger": 1})
 
 
 def test_a_camera_that_looks_more_steeply_has_fewer_pixels_and_less_closeness() -> None:
@@ -121,10 +121,10 @@ def test_a_camera_that_looks_more_steeply_has_fewer_pixels_and_less_closeness() 
     seen = [rig.pinhole(camera, lamp).project(plane) for camera in range(scenario.cameras)]
     homographies = {f"cam{n + 1}": cv2.findHomography(px, seen[0])[0] for n, px in enumerate(seen)}
     aligned = pose(homographies, dict.fromkeys(homographies, scenario.size))
-    near = closeness(aligned)
+    near = viewpoint(aligned)
     assert near["cam1"] == 1
     assert min(near["cam2"], near["cam5"]) > max(near["cam3"], near["cam4"])  # neighbours on the pentagon
-    assert all(0.85 < value <= 1 for value in fineness(aligned).values())
+    assert all(0.85 < value <= 1 for value in resolution(aligned).values())
 
 
 def test_merits_are_those_of_the_pose_a_sample_lies_in() -> None:
@@ -139,7 +139,7 @@ def test_merits_are_those_of_the_pose_a_sample_lies_in() -> None:
 
 def test_a_defocused_camera_that_sees_as_much_is_not_chosen_and_why_says_so() -> None:
     seen = np.tile([0.90, 0.95], (30, 1))
-    merits = {"sharpness": np.tile([1.0, 0.4], (30, 1)), "closeness": np.tile([1.0, 0.9], (30, 1))}
+    merits = {"sharpness": np.tile([1.0, 0.4], (30, 1)), "viewpoint": np.tile([1.0, 0.9], (30, 1))}
     table = ScoreTable(np.arange(30) * 25, ("sharp", "blurred"), seen, np.ones((30, 2), bool), merits)
 
     def chosen(selector: ShortestPath | LeastOccluded | Fixed) -> list[str]:
@@ -148,7 +148,7 @@ def test_a_defocused_camera_that_sees_as_much_is_not_chosen_and_why_says_so() ->
     (shot,) = ShortestPath().select(table, frames=750, rate=Fraction(25))
     assert shot.camera == "sharp"
     assert shot.why == "sees 90% of the field, next best blurred 95% (sharpness -18%)"
-    assert chosen(ShortestPath(worth=ViewingWorth(sharpness=0, closeness=0))) == ["blurred"]
+    assert chosen(ShortestPath(worth=ViewingWorth(sharpness=0, viewpoint=0))) == ["blurred"]
     assert chosen(LeastOccluded()) == ["blurred"], "the paper knows no merits"
     seen[:, 0] = 0.3
     assert chosen(ShortestPath()) == ["blurred"], "a blurred field is better than a covered one"
