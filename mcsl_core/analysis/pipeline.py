@@ -107,7 +107,8 @@ def _analysed(
 
     with ExitStack() as opened:
         samples = Deferred(opened.enter_context, _samples(footage, cache, keys.samples, settings.sample_s, progress))
-        footage = _with_gaps(footage, cache.remember(DAMAGE_MET, keys.samples, damage_met, footage, samples), progress)
+        met = cache.remember(DAMAGE_MET, keys.samples, damage_met, footage, samples, progress)
+        footage = _with_gaps(footage, met, progress)
         detection = cache.remember(MOVEMENTS, keys.movements, by["movement"].detect, samples, footage, progress)
         movements = detection.movements
         solver = PoseSolver(sizes, reference.name, by["matcher"], by["aligner"], settings.solve)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from fractions import Fraction
+from itertools import chain
+from typing import Any
 
 import attrs
 
@@ -19,6 +21,7 @@ from .footage import Footage
 from .sample_store import SampleStore
 
 DamageOf = Mapping[str, tuple[tuple[Damage, ...], ...]]  # camera -> one entry for each of its files
+_Picture = tuple[Fraction, Any | None]
 _MIB = 1 << 20
 _MOST_NOTES = 12  # for each camera
 
@@ -83,65 +86,100 @@ def _joined(gaps: Sequence[FrameRange]) -> list[FrameRange]:
     return joined
 
 
-def damage_met(footage: Footage, samples: SampleStore) -> DamageOf:
+def damage_met(footage: Footage, samples: SampleStore, progress: Progress) -> DamageOf:
     """What is damaged inside the pictures that sampling met, which no packet tells: around each of them, exactly.
 
     A keyframe that is hit takes all to the next one with it. What hits other pictures only, sampling by keyframes does
-    not see.
+    not see. Every damaged stretch is read once, however many of the samples lie in it.
     """
+    total = footage.frames * len(footage.cameras)
+    if any(samples.damaged.values()):
+        progress.stage("Looking around damaged pictures", total, "frames")
     found = {}
-    for camera in footage.cameras:
-        each: list[list[Damage]] = [[] for _ in footage.parts(camera.name)]
-        for frame in samples.damaged.get(camera.name, ()):
-            around = _damage_around(footage, camera.name, frame)
-            if around is not None and around[1] not in each[around[0]]:
-                each[around[0]].append(around[1])
+    for before, camera in enumerate(footage.cameras):
+        done = _Done(footage, camera.name, before * footage.frames, progress)
+        parts = footage.parts(camera.name)
+        each: list[list[Damage]] = [[] for _ in parts]
+        for frame in samples.damaged.get(camera.name, ()):  # rising
+            done.reached(frame)
+            camera_s = footage.camera_time(camera.name, frame)
+            part = part_at(parts, camera_s)
+            file_s = None if part is None else part.file_time(camera_s)
+            if part is None or file_s is None:
+                continue
+            of = each[parts.index(part)]
+            if of and of[-1].start_s <= file_s + part.facts.tolerance_s < of[-1].stop_s:
+                continue
+            around = _damage_around(part, file_s, done)
+            of += [] if around is None else [around]
         found[camera.name] = tuple(tuple(of) for of in each)
+    if any(samples.damaged.values()):
+        progress.advance(total)
     return found
 
 
-def _damage_around(footage: Footage, camera: str, frame: int) -> tuple[int, Damage] | None:
-    """In which of the camera's files, and from its first picture that is not whole to the next that is; or None."""
-    camera_s = footage.camera_time(camera, frame)
-    parts = footage.parts(camera)
-    part = part_at(parts, camera_s)
-    file_s = None if part is None else part.file_time(camera_s)
-    if part is None or file_s is None:
-        return None
+@attrs.define
+class _Done:
+    """Tells how far into a camera's programme the damage is known, and so lets whoever waits stop it."""
+
+    footage: Footage
+    camera: str
+    before: int  # frames of the cameras before
+    progress: Progress
+    _latest: int = 0
+
+    def reached(self, frame: int) -> None:
+        """All up to programme ``frame`` is known; an earlier one is looked at again."""
+        self._latest = max(self._latest, min(frame, self.footage.frames))
+        self.progress.advance(self.before + self._latest)
+
+    def read(self, camera_s: Fraction) -> None:
+        """The picture at ``camera_s`` was read."""
+        self.reached(self.footage.programme_frame(self.camera, camera_s))
+
+
+def _damage_around(part: Part, at_s: Fraction, done: _Done) -> Damage | None:
+    """From the first picture around ``at_s`` of a file that is not whole to the next that is; None where it is whole.
+
+    Goes back until a whole picture stands before it, and reads forward from there.
+    """
     facts, back = part.facts, Fraction(part.facts.keyframe_interval_s)
     with closing(VideoReader(facts, threads=1)) as reader:
-        from_s = max(file_s - back, facts.start_s)
-        start_s, stop_s = _not_whole(reader, from_s, file_s)
-        while start_s is not None and start_s <= from_s and from_s > facts.start_s:
+        while True:
+            from_s = max(at_s - back, facts.start_s)
+            pictures = _told(reader.read(from_s), part, done)
+            start_s, following = _broken_since(pictures, at_s + facts.tolerance_s)
+            if start_s is None:
+                return None
+            if start_s > from_s + facts.tolerance_s or from_s <= facts.start_s:
+                break
             back *= 2
-            from_s = max(file_s - back, facts.start_s)
-            start_s, stop_s = _not_whole(reader, from_s, file_s)
-    if start_s is None:
-        return None
-    why = "damaged"
-    if reader.other_shape:
-        usual = "x".join(map(str, facts.coded_size))
-        why = (
-            f"pictures of another shape ({reader.other_shape}, not {usual}); to use them, cut the file into two cameras"
-        )
-    return parts.index(part), Damage(start_s, stop_s or facts.usable_s, why)
+        stop_s = next((time_s for time_s, frame in chain(following, pictures) if frame is not None), facts.usable_s)
+        why = "damaged"
+        if reader.other_shape:
+            usual = "x".join(map(str, facts.coded_size))
+            why = f"pictures of another shape ({reader.other_shape}, not {usual}); "
+            why += "to use them, cut the file into two cameras"
+    return Damage(start_s, stop_s, why)
 
 
-def _not_whole(reader: VideoReader, from_s: Fraction, at_s: Fraction) -> tuple[Fraction | None, Fraction | None]:
-    """From where to where what is shown at ``at_s`` is not whole, as read from ``from_s`` on; None where it is whole.
+def _told(pictures: Iterable[_Picture], part: Part, done: _Done) -> Iterator[_Picture]:
+    for picture in pictures:
+        done.read(part.begin_s + picture[0])
+        yield picture
 
-    Without a stop it is not whole to the end.
-    """
+
+def _broken_since(pictures: Iterator[_Picture], goal_s: Fraction) -> tuple[Fraction | None, list[_Picture]]:
+    """Since when what is shown at ``goal_s`` is not whole, None where it is; and the picture after it, if one is."""
     start_s = None
-    for time_s, frame in reader.read(from_s):
-        if time_s > at_s + reader.facts.tolerance_s:
-            if start_s is None or frame is not None:
-                return start_s, time_s
-        elif frame is not None:
+    for time_s, frame in pictures:
+        if time_s > goal_s:
+            return start_s, [(time_s, frame)]
+        if frame is not None:
             start_s = None
         elif start_s is None:
             start_s = time_s
-    return start_s, None
+    return start_s, []
 
 
 def tell_of_damage(footage: Footage, progress: Progress) -> None:

@@ -4,63 +4,19 @@ from __future__ import annotations
 
 import struct
 from fractions import Fraction
-from typing import Any
 
-import av
 import pytest
-from coded_video import coded_picture, read_number
+from changing_films import CODECS, EACH, film, footage_of
+from coded_video import read_number
 from notes import Notes
 from remuxed import remux
 
-from mcsl_core.edl import Camera, Media
 from mcsl_core.imaging.planes import planes_to_bgr
 from mcsl_core.media.probing import probe
 from mcsl_core.progress import Silent
 from mcsl_core.recording.damage import damage_met, with_gaps
-from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.sample_store import SampleStore
 from mcsl_core.timing import FrameRange
-
-EACH = 60
-RATE = Fraction(30)
-CODECS = {
-    ".ts": ("libx264", {"preset": "veryfast", "crf": "10", "bf": "0"}),
-    ".mkv": ("libx265", {"preset": "ultrafast", "crf": "10", "x265-params": "log-level=none:repeat-headers=1"}),
-    ".webm": ("libvpx-vp9", {"deadline": "realtime", "cpu-used": "8", "crf": "20", "b": "0"}),
-}
-
-
-def film(path, sizes, aspects=()):
-    """Two seconds of each size, or aspect of the pixels, in one stream, as a recorder writes whose input changes."""
-    codec, options = CODECS.get(path.suffix, ("mpeg2video", {"b": "4M"}))
-    with av.open(str(path), "w") as container:
-        stream: Any = container.add_stream(codec, rate=30)
-        stream.width, stream.height, stream.pix_fmt = *sizes[0], "yuv420p"
-        number = 0
-        for index, size in enumerate(sizes):
-            encoder: Any = av.CodecContext.create(codec, "w")
-            encoder.width, encoder.height, encoder.pix_fmt = *size, "yuv420p"
-            encoder.time_base, encoder.framerate, encoder.gop_size = 1 / RATE, RATE, 30
-            encoder.options = options
-            if aspects:
-                encoder.sample_aspect_ratio = aspects[index]
-            packets = []
-            for _ in range(EACH):
-                frame = av.VideoFrame.from_ndarray(coded_picture(number, size), format="bgr24")
-                frame = frame.reformat(format="yuv420p", dst_colorspace="ITU709")
-                frame.pts, frame.time_base = number, 1 / RATE
-                packets += encoder.encode(frame)
-                number += 1
-            for packet in [*packets, *encoder.encode(None)]:
-                packet.stream = stream
-                container.mux(packet)
-    return path
-
-
-def footage_of(path, count, gaps=()):
-    facts = probe(path)
-    camera = Camera("cam", (Media(path.name, facts.frames),), facts.size, facts.rate, gaps=gaps)
-    return Footage([camera], rate=RATE, frames=count * EACH, base=path.parent, threads=1)
 
 
 def numbers(footage):
@@ -86,7 +42,7 @@ def test_pictures_of_another_shape_are_a_gap_and_told(tmp_path, suffix):
     assert len(seen) >= 2 * EACH - 3
     samples = SampleStore.record(footage, tmp_path / "samples", Silent(), step_s=0.5)
     notes = Notes()
-    (camera,) = with_gaps(footage, damage_met(footage, samples), notes)
+    (camera,) = with_gaps(footage, damage_met(footage, samples, Silent()), notes)
     samples.close()
     (gap,) = camera.gaps
     assert EACH - 3 <= gap.start <= EACH
@@ -109,7 +65,7 @@ def test_pixels_of_another_aspect_are_a_gap_and_told(tmp_path, suffix):
     assert not [frame for frame in seen if EACH <= frame < 2 * EACH - last]
     assert len(seen) >= 2 * EACH - 6
     samples = SampleStore.record(footage, tmp_path / "samples", Silent(), step_s=0.5)
-    (camera,) = with_gaps(footage, damage_met(footage, samples), Silent())
+    (camera,) = with_gaps(footage, damage_met(footage, samples, Silent()), Silent())
     samples.close()
     (gap,) = camera.gaps
     assert EACH - 4 <= gap.start <= EACH

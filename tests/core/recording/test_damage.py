@@ -128,7 +128,7 @@ def test_a_keyframe_that_sampling_meets_damaged_is_a_gap(tmp_path, name, codec, 
     samples = SampleStore.load(tmp_path / "samples")
     assert samples is not None
     notes = Notes()
-    (camera,) = with_gaps(footage, damage_met(footage, samples), notes)
+    (camera,) = with_gaps(footage, damage_met(footage, samples, Silent()), notes)
     samples.close()
     shift = round(offset_s * RATE)
     (gap,) = camera.gaps
@@ -144,7 +144,7 @@ def test_a_keyframe_that_sampling_meets_damaged_is_a_gap(tmp_path, name, codec, 
 def test_a_whole_film_has_no_damage_that_sampling_meets(tmp_path):
     footage = footage_of_file(write_film(tmp_path, "a.mp4"))
     samples = SampleStore.record(footage, tmp_path / "samples", Silent())
-    assert damage_met(footage, samples) == {"cam": ((),)}
+    assert damage_met(footage, samples, Silent()) == {"cam": ((),)}
     samples.close()
 
 
