@@ -97,7 +97,7 @@ def write_wheel(folder: Path) -> Path:
         "Metadata-Version: 2.4\nName: mcsl_core\n"
         f"Version: {version}\nSummary: The documents of mcsl, for its Blender extension\n"
         "License-Expression: Apache-2.0\nLicense-File: LICENSE\nRequires-Python: >=3.11\n"
-        "Requires-Dist: attrs>=24.2\nRequires-Dist: cattrs>=24.1\nRequires-Dist: filelock>=3.20.3\n"
+        "Requires-Dist: attrs>=24.2\nRequires-Dist: cattrs>=24.1\nRequires-Dist: filelock>=4.0\n"
     )
     files[f"{info}/METADATA"] = metadata.encode()
     files[f"{info}/WHEEL"] = b"Wheel-Version: 1.0\nGenerator: mcsl\nRoot-Is-Purelib: true\nTag: py3-none-any\n"

@@ -20,11 +20,12 @@ from typing import Any, Literal
 import attrs
 from attrs import frozen
 
-from mcsl_core.edl import DrawnField, Edl, Override
+from mcsl_core.edl import Edl, Override
 from mcsl_core.errors import InputError
 from mcsl_core.timing import FrameRange
 
 from .corrections import FoundCamera, read_corrections
+from .field import FoundDrawing, take_drawing
 from .strip_plan import automatic_cameras
 from .times import FoundFilm, FoundShot, SceneTime, check_times
 
@@ -76,8 +77,8 @@ class SequencerState:
         The automatic choice that the timeline was built from; None where it is not known: then the EDL's holds.
     look
         What was switched for the whole programme: centering, fill or colour, and to what.
-    drawn_fields
-        The surgical field drawn by hand, over the whole programme; None where the EDL's holds.
+    drawing
+        The surgical field drawn by hand since the EDL was written; None where nothing was.
     notes
         What was seen and is not read, for a person.
     scene, films, tracks
@@ -88,7 +89,7 @@ class SequencerState:
     cameras: tuple[FoundCamera, ...]
     automatic: tuple[tuple[FrameRange, str], ...] | None = None
     look: tuple[tuple[str, bool], ...] = ()
-    drawn_fields: tuple[DrawnField, ...] | None = None
+    drawing: FoundDrawing | None = None
     notes: tuple[str, ...] = ()
     scene: SceneTime | None = None
     films: tuple[FoundFilm, ...] = ()
@@ -106,14 +107,7 @@ def read_edl(edl: Edl, state: SequencerState) -> Edl:
     shots = (FoundShot(s.id, s.name, s.start, s.stop) for s in state.strips if s.id)
     check_times(edl, state.scene, state.films, shots, state.tracks)
     edl = attrs.evolve(edl, look=attrs.evolve(edl.look, **dict(state.look)))
-    if state.drawn_fields is not None:
-        if any(drawn.range.stop > edl.frames for drawn in state.drawn_fields):
-            what, remedy = (
-                f"a field is drawn past the programme's {edl.frames} frames",
-                "Draw it again in the panel's Look",
-            )
-            raise InputError(what, remedy=remedy)
-        edl = attrs.evolve(edl, drawn_fields=state.drawn_fields)
+    edl = attrs.evolve(edl, drawn_fields=take_drawing(edl, state.drawing).fields)
     return attrs.evolve(edl, overrides=read_overrides(edl, state), corrections=read_corrections(edl, state.cameras))
 
 

@@ -8,14 +8,15 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from mcsl_core.edl import Look
+from mcsl_core.edl import DrawnField, Look
 from mcsl_core.edl.playlists import list_kind
 from mcsl_core.errors import BlenderError, InputError
 
+from ..core.field import to_text
 from ..core.multicam import Switch
 from ..core.read_overrides import AUTOMATIC
 from ..core.revert import Setting
-from .scene_properties import CENTRE, DRAWN_FIELDS, GIVEN_NAME, LOOK_FOR_ALL, LOOK_OF_SHOT, given_name
+from .scene_properties import CENTRE, DRAWN_FIELDS, DRAWN_UPON, GIVEN_NAME, LOOK_FOR_ALL, LOOK_OF_SHOT, given_name
 
 HIGHEST_CHANNEL = 128  # Blender has no more
 OVERRIDDEN_COLOUR = "COLOR_03"  # yellow: an editor's decision
@@ -135,7 +136,19 @@ def clear_strip_decisions(scene: Any) -> None:
     for strip in scene.sequence_editor.strips:
         if strip.type == "MULTICAM":
             _clear_decisions(strip)
-    for name in (DRAWN_FIELDS, *LOOK_FOR_ALL.values()):
+    for name in LOOK_FOR_ALL.values():
+        scene.pop(name, None)
+    drop_drawing(scene)
+
+
+def keep_drawing(scene: Any, fields: Sequence[DrawnField], upon: Sequence[DrawnField]) -> None:
+    """The scene keeps the field drawn by hand until it is in the EDL, and what the EDL has: ``upon``."""
+    scene[DRAWN_FIELDS], scene[DRAWN_UPON] = to_text(fields), to_text(upon)
+
+
+def drop_drawing(scene: Any) -> None:
+    """The EDL has the field that was drawn: the scene says nothing of it any more."""
+    for name in (DRAWN_FIELDS, DRAWN_UPON):
         scene.pop(name, None)
 
 

@@ -14,6 +14,7 @@ from mcsl_core.edl import Edl
 from mcsl_core.errors import McslError
 
 from ..core import times
+from ..core.field import remarks_on_drawing
 from ..core.outside import remark_on
 from ..core.read_overrides import SequencerState
 from ..core.strip_plan import FIRST_CAMERA_CHANNEL
@@ -37,7 +38,7 @@ def notices(scene: Any, edl: Edl, state: SequencerState) -> tuple[str, ...]:
         The timeline as read.
     """
     said = (*state.notes, *times.remarks(edl, state.scene, state.films), *_of_strips(scene, edl))
-    return (*said, *_of_files(scene, edl))
+    return (*said, *remarks_on_drawing(edl, state.drawing), *_of_files(scene, edl))
 
 
 def _of_files(scene: Any, edl: Edl) -> Iterator[str]:

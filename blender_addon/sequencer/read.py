@@ -9,7 +9,7 @@ from typing import Any
 from mcsl_core.errors import InputError
 
 from ..core.corrections import FoundCamera
-from ..core.field import from_text
+from ..core.field import FoundDrawing, from_text
 from ..core.read_overrides import AUTOMATIC, FoundStrip, SequencerState
 from ..core.similarity import Transform
 from ..core.strip_plan import automatic_from_text
@@ -21,6 +21,7 @@ from .scene_properties import (
     CAMERA,
     CENTRE,
     DRAWN_FIELDS,
+    DRAWN_UPON,
     LOOK_FOR_ALL,
     LOOK_OF_SHOT,
     PLANNED_TRANSFORM,
@@ -80,7 +81,7 @@ def read_timeline(scene: Any) -> SequencerState:
         cameras=tuple(cameras),
         automatic=_automatic(scene),
         look=tuple((aid, _flag(scene, name, "the scene")) for aid, name in LOOK_FOR_ALL.items() if name in scene),
-        drawn_fields=_drawn_fields(scene),
+        drawing=read_drawing(scene),
         notes=_remarks(scene),
         scene=read_scene_time(scene),
         films=read_films(scene),
@@ -115,12 +116,18 @@ def _automatic(scene: Any) -> Any:
         raise odd(AUTOMATIC_CAMERA, text, "the automatic choice by time", "the scene") from error
 
 
-def _drawn_fields(scene: Any) -> Any:
-    text = text_of(scene, DRAWN_FIELDS, "the scene", None)
+def read_drawing(scene: Any) -> FoundDrawing | None:
+    """The field drawn by hand that the scene keeps; None where it keeps none."""
+    fields = _drawn(scene, DRAWN_FIELDS)
+    return None if fields is None else FoundDrawing(fields, _drawn(scene, DRAWN_UPON))
+
+
+def _drawn(scene: Any, name: str) -> Any:
+    text = text_of(scene, name, "the scene", None)
     try:
         return None if text is None else from_text(text)
     except (ValueError, TypeError) as error:
-        raise odd(DRAWN_FIELDS, text, "outlines of the surgical field", "the scene") from error
+        raise odd(name, text, "outlines of the surgical field", "the scene") from error
 
 
 def _planned(strip: Any) -> Transform | None:

@@ -31,14 +31,16 @@ from mcsl_core.errors import BlenderError, InputError
 from mcsl_core.progress import JsonLines
 from mcsl_core.temporary import temporary_beside
 
+from ..core.field import take_drawing
 from ..core.overruled import overruled
 from ..core.read_overrides import read_edl
 from ..core.strip_plan import StripPlan, make_plan
 from ..sequencer import conformed, output, scene_properties
 from ..sequencer.build import build_timeline
 from ..sequencer.compat import use_sequencer_scene
+from ..sequencer.edit import drop_drawing
 from ..sequencer.notices import notices
-from ..sequencer.read import read_timeline
+from ..sequencer.read import read_drawing, read_timeline
 from ..sequencer.renew import rebuild_timeline
 from ..sequencer.sound import has_sound, keep_silent
 from .confine import confine
@@ -70,6 +72,8 @@ def refresh(request: RefreshRequest, progress: JsonLines) -> BuiltTimeline:
     use_sequencer_scene(scene)
     plan = make_plan(edl, request.conformed, request.sound)
     notes = rebuild_timeline(scene, plan, request.edl.parent)
+    if take_drawing(edl, read_drawing(scene)).fields == edl.drawn_fields:
+        drop_drawing(scene)  # pulled: kept, it would come back over what is written into the EDL from now on
     return _finished(scene, edl, plan, request, notes, progress)
 
 
@@ -85,6 +89,8 @@ def read(request: ReadRequest, progress: JsonLines) -> ReadDecisions:
     since = overruled(edl, new, scene.get(scene_properties.OVERRIDE_COUNT))
     for note in (*since, *notices(scene, edl, state)):
         progress.note(note)
+    if new.drawn_fields != edl.drawn_fields:
+        progress.note("the surgical field is taken as it is drawn in this timeline")
     if conformed.any_there(scene) and conformed.keep_true(scene, new).changed:
         try:
             _save(request.blend)

@@ -23,6 +23,7 @@ SAVED = {  # in .blend files that editors have: never to be renamed
     "mcsl_colour",
     "mcsl_conformed_for",
     "mcsl_drawn_fields",
+    "mcsl_drawn_upon",
     "mcsl_edl",
     "mcsl_fallen",
     "mcsl_fill",

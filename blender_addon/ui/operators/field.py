@@ -10,9 +10,12 @@ import bpy  # pyright: ignore[reportMissingImports]
 
 from mcsl_core.errors import Fault, McslError
 
-from ...core.field import to_text, with_field, without_field
+from ...core.field import with_field, without_field
+from ...core.read_overrides import read_edl
 from ...sequencer.compat import sequencer_scene
-from ...sequencer.scene_properties import DRAWN_FIELDS, has_timeline
+from ...sequencer.edit import keep_drawing
+from ...sequencer.read import read_timeline
+from ...sequencer.scene_properties import edl_of, has_timeline
 from .. import refresh
 from ..translations.lookup import told
 from .look import in_preview
@@ -105,14 +108,15 @@ class MCSL_OT_draw_field(bpy.types.Operator):
         scene = sequencer_scene(context)
         try:
             corners = [tuple(float(number) for number in corner.split(",")) for corner in self.corners.split()]
-            new = with_field(refresh.decided(scene), scene.frame_current - 1, corners, more=self.more)
+            edl = edl_of(scene)
+            new = with_field(read_edl(edl, read_timeline(scene)), scene.frame_current - 1, corners, more=self.more)
         except McslError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         except (Fault, ValueError):
             self.report({"WARNING"}, told("Three corners or more make a field, in the picture and not in a line"))
             return {"CANCELLED"}
-        scene[DRAWN_FIELDS] = to_text(new.drawn_fields)
+        keep_drawing(scene, new.drawn_fields, edl.drawn_fields)
         refresh.refresh_timeline(scene)
         self.report({"INFO"}, told("The field is drawn: analyse again to use it"))
         return {"FINISHED"}
@@ -132,11 +136,12 @@ class MCSL_OT_clear_field(bpy.types.Operator):
     def execute(self, context):
         scene = sequencer_scene(context)
         try:
-            new = without_field(refresh.decided(scene), scene.frame_current - 1)
+            edl = edl_of(scene)
+            new = without_field(read_edl(edl, read_timeline(scene)), scene.frame_current - 1)
         except McslError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        scene[DRAWN_FIELDS] = to_text(new.drawn_fields)
+        keep_drawing(scene, new.drawn_fields, edl.drawn_fields)
         refresh.refresh_timeline(scene)
         return {"FINISHED"}
 

@@ -15,13 +15,14 @@ from mcsl_core.edl import Edl
 from mcsl_core.errors import InputError, McslError
 from mcsl_core.outputs.locks import changing
 
+from ...core.field import remarks_on_drawing
 from ...core.overruled import overruled
 from ...core.strip_plan import make_plan
 from ...sequencer import scene_properties
 from ...sequencer.build import build_timeline
 from ...sequencer.compat import sequencer_scene, use_sequencer_scene
 from ...sequencer.edit import clear_strip_decisions
-from ...sequencer.read import read_timeline
+from ...sequencer.read import read_drawing, read_timeline
 from ...sequencer.renew import rebuild_timeline
 from .. import refresh
 from ..translations.lookup import told
@@ -86,6 +87,9 @@ def pull(scene, tell=None) -> tuple[Edl, bool]:
         if tell is not None:
             for note in overruled(old, new, scene.get(scene_properties.OVERRIDE_COUNT)):
                 tell({"WARNING"}, note)
+    if tell is not None:
+        for note in remarks_on_drawing(old, read_drawing(scene)):
+            tell({"WARNING"}, note)
     scene_properties.note_home(scene, path, blend.parent if bpy.data.filepath else None)
     clear_strip_decisions(scene)
     scene[scene_properties.OVERRIDE_COUNT] = len(new.overrides)

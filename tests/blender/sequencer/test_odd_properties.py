@@ -21,7 +21,7 @@ odd = ["", "text", "{", "[[1]]", '[["a", 1]]', "0 ", "-1 x", 3, -(2 ** 31), 1e30
        [1, 2, 3, 4, 5, 6], [float("nan")] * 5, [float("nan")] * 2, [0.0] * 5, [1e300] * 5, [1e300] * 2, [], {"a": 1}]
 of_scene = ["mcsl", "mcsl_edl", "mcsl_home", "mcsl_recording", "mcsl_overrides", "mcsl_cameras", "mcsl_tracks",
             "mcsl_keys", "mcsl_centered", "mcsl_conformed_for", "mcsl_sound", "mcsl_automatic", "mcsl_look_fill",
-            "mcsl_look_centering", "mcsl_look_colour", "mcsl_drawn_fields"]
+            "mcsl_look_centering", "mcsl_look_colour", "mcsl_drawn_fields", "mcsl_drawn_upon"]
 of_strip = {
     "camera": ["mcsl", "mcsl_camera", "mcsl_planned", "mcsl_placed"],
     "programme": ["mcsl", "mcsl_id", "mcsl_name", "mcsl_centering", "mcsl_fill", "mcsl_offset", "mcsl_automatic"],

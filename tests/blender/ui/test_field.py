@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import pytest
 from blender_recording import R, in_blender
+from notes import Notes
 from panel_scripts import ON
 
 from mcsl_core import edl as edls
+from mcsl_core.blender.child import run_task
+from mcsl_core.blender.messages import RefreshRequest
 from mcsl_core.blender.timeline import pull_overrides
+from mcsl_core.edl import edits
 
 CORNERS = ((100.0, 60.0), (200.0, 60.0), (150.0, 140.0))
 
@@ -69,3 +73,33 @@ def test_it_comes_into_the_edl_and_goes_from_it(built, blender):
     )
     assert in_blender(blender, built, code) == [2, False], "what the EDL holds the scene need not say"
     assert edls.load(path).drawn_fields == ()
+
+
+def test_one_written_into_the_edl_meanwhile_stays(built, blender):
+    """Saved, not pulled; then somebody draws with `mcsl field`: neither pulling nor the panel takes that away."""
+    path = built.parent / "edl.json"
+    code = (
+        ON
+        + """
+    refresh.refresh_timeline(scene)
+    go(25)
+    bpy.ops.mcsl.draw_field(corners="100,60 200,60 150,140")
+    out = []
+    """
+    )
+    in_blender(blender, built, code)
+    theirs = edits.draw_field(edls.load(path), (CORNERS[::-1],), R(10, 20), "drain")
+    edls.save(theirs, path)
+    progress = Notes()
+    made = pull_overrides(built, blender=blender, progress=progress)
+    there = [(drawn.range, drawn.polygons[0]) for drawn in made.drawn_fields]
+    assert there == [(R(0, 10), CORNERS), (R(10, 20), CORNERS[::-1]), (R(20, 30), CORNERS)]
+    assert any(
+        note.startswith("programme frames 11 to 20: the field drawn in this timeline is") for note in progress.notes
+    )
+    run_task(blender, RefreshRequest(built, path, (), None), progress)
+    gone = 'out = ["mcsl_drawn_fields" in scene, "mcsl_drawn_upon" in scene]'
+    assert in_blender(blender, built, gone, save=False) == [False, False], "it would come back after a --clear"
+    cleared = edits.clear_field(made)
+    edls.save(cleared, path)
+    assert pull_overrides(built, blender=blender) == cleared
