@@ -129,16 +129,14 @@ class VideoReader:
         order = ShownOrder(from_start=self._fresh) if self.facts.decoding_order else None
         self._fresh = False
         context, judge, lost = self._context, WholeFrames(1 / self.facts.rate), False
-        keys: set[int | None] = set()
         for packet, whole in judged_packets(self._container, self._stream, self.facts.rate):
             lost = not whole or (lost and not packet.is_keyframe)
             frames = []
-            if packet.is_keyframe and not lost:
-                keys.add(packet.pts)
             if order is not None:
                 order.feed(packet)
             try:
                 if not lost:
+                    judge.sent(packet)
                     frames = context.decode(packet)
                 elif not judge.broken and order is None:  # what is held back has a place among those that are missing
                     frames = context.decode(None)
@@ -148,12 +146,13 @@ class VideoReader:
             for frame in frames:
                 stamp = timestamp_of(frame) if order is None else order.stamp(frame)
                 if stamp is not None:
-                    time_s, is_key = stamp * self._stream.time_base - self.facts.zero_s, frame.pts in keys
-                    for shown_s, whole in judge.judged(time_s, frame, is_key=is_key):
+                    time_s = stamp * self._stream.time_base - self.facts.zero_s
+                    for shown_s, whole in judge.judged(time_s, frame):
                         yield shown_s, whole if self._fits(whole) else None
-            if lost and not judge.broken:
-                judge.broken = True
-                context.flush_buffers()
+            if lost:
+                if not judge.broken:
+                    context.flush_buffers()
+                judge.cut()
         yield from judge.end()
 
     def _fits(self, frame: Any | None) -> bool:
