@@ -3,7 +3,7 @@
 
 import bpy  # pyright: ignore[reportMissingImports]
 
-from . import analysis, decisions, delivery, field, look, recording, timeline
+from . import analysis, decisions, delivery, field, look, preview, recording, timeline
 
 CLASSES = tuple(
     kind for part in (recording, analysis, timeline, decisions, look, field, delivery) for kind in part.CLASSES
@@ -16,5 +16,6 @@ def register() -> None:
 
 
 def unregister() -> None:
+    preview.remove_lines()
     for kind in reversed(CLASSES):
         bpy.utils.unregister_class(kind)

@@ -11,6 +11,7 @@ import bpy  # pyright: ignore[reportMissingImports]
 from mcsl_core.errors import Fault, McslError
 
 from ...core.field import with_field, without_field
+from ...core.preview import moves_view
 from ...core.read_overrides import read_edl
 from ...sequencer.compat import sequencer_scene
 from ...sequencer.edit import keep_drawing
@@ -18,12 +19,12 @@ from ...sequencer.read import read_timeline
 from ...sequencer.scene_properties import edl_of, has_timeline
 from .. import refresh
 from ..translations.lookup import told
-from .look import in_preview
+from .preview import ClicksInPreview, redraw
 
 CLOSE_PX = 12  # a click this near the first corner closes the outline
 
 
-class MCSL_OT_draw_field(bpy.types.Operator):
+class MCSL_OT_draw_field(ClicksInPreview, bpy.types.Operator):
     """Click the corners of the surgical field in the preview; the next analysis aligns, scores and centres by it"""
 
     bl_idname = "mcsl.draw_field"
@@ -33,6 +34,9 @@ class MCSL_OT_draw_field(bpy.types.Operator):
     corners: bpy.props.StringProperty(
         name="Corners", description="Pixels of the picture shown: x,y x,y x,y", options={"SKIP_SAVE"}
     )
+    frame: bpy.props.IntProperty(
+        name="Frame", description="Programme frame that the corners were seen in", options={"SKIP_SAVE", "HIDDEN"}
+    )
     more: bpy.props.BoolProperty(name="One More", description="Beside what is drawn already, not in its place")
 
     @classmethod
@@ -40,35 +44,29 @@ class MCSL_OT_draw_field(bpy.types.Operator):
         return has_timeline(sequencer_scene(context))
 
     def invoke(self, context, event):
-        if not any(region.type == "PREVIEW" for area in context.screen.areas for region in area.regions):
-            self.report({"WARNING"}, told("Open a preview beside the sequencer"))
-            return {"CANCELLED"}
         self._clicked = []
-        self._lines = bpy.types.SpaceSequenceEditor.draw_handler_add(self._draw, (), "PREVIEW", "POST_PIXEL")
-        context.window.cursor_modal_set("CROSSHAIR")
         text = told("Click the corners of the field; Enter: done; Backspace: take the last back; Esc: leave it")
-        context.workspace.status_text_set(text)
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
+        return self.begin(context, text, _draw, self._clicked)
 
     def modal(self, context, event):
-        if event.type in {"ESC", "RIGHTMOUSE"}:
-            return self._leave(context, {"CANCELLED"})
-        if event.value == "PRESS" and event.type == "BACK_SPACE":
-            del self._clicked[-1:]
-        elif event.value == "PRESS" and event.type == "LEFTMOUSE":
-            point = in_preview(context, event)
-            if point is not None and not self._closes(point):
-                self._clicked.append(point)
-            elif point is not None:
-                return self._done(context)
-        elif event.value == "PRESS" and event.type in {"RET", "NUMPAD_ENTER"}:
-            return self._done(context)
-        elif event.type in {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE"}:
+        if moves_view(event.type):
             return {"PASS_THROUGH"}
-        for area in context.screen.areas:
-            if area.type == "SEQUENCE_EDITOR":
-                area.tag_redraw()
+        if event.type in {"ESC", "RIGHTMOUSE"}:
+            self.cancel(context)
+            return {"CANCELLED"}
+        if event.value != "PRESS" or event.type not in {"BACK_SPACE", "LEFTMOUSE", "RET", "NUMPAD_ENTER"}:
+            return {"RUNNING_MODAL"}
+        if event.type in {"RET", "NUMPAD_ENTER"}:
+            return self._done(context)
+        if event.type == "BACK_SPACE":
+            del self._clicked[-1:]
+        elif (point := self.point(context, event)) is not None:
+            if self._closes(point):
+                return self._done(context)
+            if not self._clicked:
+                self.frame = sequencer_scene(context).frame_current - 1
+            self._clicked.append(point)
+        redraw(context)
         return {"RUNNING_MODAL"}
 
     def _closes(self, point):
@@ -78,38 +76,18 @@ class MCSL_OT_draw_field(bpy.types.Operator):
         return abs(point[0] - x) + abs(point[1] - y) < CLOSE_PX
 
     def _done(self, context):
+        self.cancel(context)
+        redraw(context)
         self.corners = " ".join(f"{x:.1f},{y:.1f}" for x, y in self._clicked)
-        return self._leave(context, self.execute(context))
-
-    def _leave(self, context, result):
-        bpy.types.SpaceSequenceEditor.draw_handler_remove(self._lines, "PREVIEW")
-        context.window.cursor_modal_restore()
-        context.workspace.status_text_set(None)
-        return result
-
-    def _draw(self):
-        """What was clicked so far, over the preview."""
-        import gpu  # pyright: ignore[reportMissingImports] - there is none without a window
-        from gpu_extras.batch import batch_for_shader  # pyright: ignore[reportMissingImports]
-
-        scene, view = sequencer_scene(bpy.context), bpy.context.region.view2d
-        middle = ((scene.render.resolution_x - 1) / 2, (scene.render.resolution_y - 1) / 2)
-        points = [view.view_to_region(x - middle[0], middle[1] - y, clip=False) for x, y in self._clicked]
-        if not points:
-            return
-        shader = gpu.shader.from_builtin("UNIFORM_COLOR")
-        shader.uniform_float("color", (1.0, 1.0, 0.3, 1.0))
-        gpu.state.line_width_set(2.0)
-        gpu.state.point_size_set(6.0)
-        for kind, places in (("LINE_STRIP", [*points, points[0]]), ("POINTS", points)):
-            batch_for_shader(shader, kind, {"pos": places}).draw(shader)
+        return self.execute(context)
 
     def execute(self, context):
         scene = sequencer_scene(context)
         try:
             corners = [tuple(float(number) for number in corner.split(",")) for corner in self.corners.split()]
             edl = edl_of(scene)
-            new = with_field(read_edl(edl, read_timeline(scene)), scene.frame_current - 1, corners, more=self.more)
+            seen = self.frame if self.properties.is_property_set("frame") else scene.frame_current - 1
+            new = with_field(read_edl(edl, read_timeline(scene)), seen, corners, more=self.more)
         except McslError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -120,6 +98,24 @@ class MCSL_OT_draw_field(bpy.types.Operator):
         refresh.refresh_timeline(scene)
         self.report({"INFO"}, told("The field is drawn: analyse again to use it"))
         return {"FINISHED"}
+
+
+def _draw(clicked):
+    """What was clicked so far, over the preview."""
+    import gpu  # pyright: ignore[reportMissingImports] - there is none without a window
+    from gpu_extras.batch import batch_for_shader  # pyright: ignore[reportMissingImports]
+
+    scene, view = sequencer_scene(bpy.context), bpy.context.region.view2d
+    middle = ((scene.render.resolution_x - 1) / 2, (scene.render.resolution_y - 1) / 2)
+    points = [view.view_to_region(x - middle[0], middle[1] - y, clip=False) for x, y in clicked]
+    if not points:
+        return
+    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
+    shader.uniform_float("color", (1.0, 1.0, 0.3, 1.0))
+    gpu.state.line_width_set(2.0)
+    gpu.state.point_size_set(6.0)
+    for kind, places in (("LINE_STRIP", [*points, points[0]]), ("POINTS", points)):
+        batch_for_shader(shader, kind, {"pos": places}).draw(shader)
 
 
 class MCSL_OT_clear_field(bpy.types.Operator):

@@ -12,12 +12,14 @@ from mcsl_core.edl.resolve import resolve, shift_at
 from mcsl_core.errors import McslError
 
 from ...core import multicam
+from ...core.preview import moves_view
 from ...core.read_overrides import AUTOMATIC
 from ...sequencer.compat import sequencer_scene
 from ...sequencer.read import read_timeline
 from ...sequencer.scene_properties import CENTRE, LOOK_FOR_ALL, LOOK_OF_SHOT, has_timeline
 from .. import refresh
 from ..translations.lookup import told
+from .preview import ClicksInPreview
 
 AIDS = [
     ("centering", "Centering", "Shift the surgical field to the middle of the picture"),
@@ -71,7 +73,7 @@ class MCSL_OT_set_look(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MCSL_OT_set_centre(bpy.types.Operator):
+class MCSL_OT_set_centre(ClicksInPreview, bpy.types.Operator):
     """Click the middle of the field in the preview: the shot at the playhead is centred on it"""
 
     bl_idname = "mcsl.set_centre"
@@ -86,29 +88,22 @@ class MCSL_OT_set_centre(bpy.types.Operator):
         return has_timeline(sequencer_scene(context))
 
     def invoke(self, context, event):
-        if not any(region.type == "PREVIEW" for area in context.screen.areas for region in area.regions):
-            self.report({"WARNING"}, told("Open a preview beside the sequencer"))
-            return {"CANCELLED"}
-        context.window.cursor_modal_set("CROSSHAIR")
-        context.workspace.status_text_set(told("Click the middle of the field in the preview; Esc: leave it"))
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
+        return self.begin(context, told("Click the middle of the field in the preview; Esc: leave it"))
 
     def modal(self, context, event):
+        if moves_view(event.type):
+            return {"PASS_THROUGH"}
         if event.type in {"ESC", "RIGHTMOUSE"}:
-            return self._leave(context, {"CANCELLED"})
+            self.cancel(context)
+            return {"CANCELLED"}
         if event.type != "LEFTMOUSE" or event.value != "PRESS":
             return {"RUNNING_MODAL"}
-        point = in_preview(context, event)
+        point = self.point(context, event)
+        self.cancel(context)
         if point is None:
-            return self._leave(context, {"CANCELLED"})
+            return {"CANCELLED"}
         self.x, self.y = point
-        return self._leave(context, self.execute(context))
-
-    def _leave(self, context, result):
-        context.window.cursor_modal_restore()
-        context.workspace.status_text_set(None)
-        return result
+        return self.execute(context)
 
     def execute(self, context):
         scene = sequencer_scene(context)
@@ -130,18 +125,6 @@ class MCSL_OT_set_centre(bpy.types.Operator):
             strip[LOOK_OF_SHOT["centering"]] = True
         refresh.refresh_timeline(scene)
         return {"FINISHED"}
-
-
-def in_preview(context, event):
-    """The programme pixel under the mouse, or None outside every preview."""
-    scene = sequencer_scene(context)
-    for area in context.screen.areas:
-        for region in area.regions if area.type == "SEQUENCE_EDITOR" else ():
-            inside = 0 <= event.mouse_x - region.x < region.width and 0 <= event.mouse_y - region.y < region.height
-            if region.type == "PREVIEW" and inside:
-                x, y = region.view2d.region_to_view(event.mouse_x - region.x, event.mouse_y - region.y)
-                return (scene.render.resolution_x - 1) / 2 + x, (scene.render.resolution_y - 1) / 2 - y
-    return None
 
 
 class MCSL_OT_clear_centre(bpy.types.Operator):

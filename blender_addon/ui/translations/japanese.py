@@ -218,6 +218,11 @@ JAPANESE: dict[str, str] = {
     "There is no shot at the playhead": "再生ヘッドにショットがありません",
     "automatic again; {count} overrides left": "自動に戻しました。残りの手動変更 {count} 件",
     "Open a preview beside the sequencer": "シーケンサーの横にプレビューを開いてください",
+    "Frame": "フレーム",
+    "Programme frame that the corners were seen in": "角をクリックした本編フレーム",
+    "The preview shows one channel: set its channel to 0 to see the programme": (
+        "プレビューは一つのチャンネルを表示しています。チャンネルを 0 にして本編を表示してください"
+    ),
     "Click the middle of the field in the preview; Esc: leave it": "プレビューで術野の中央をクリック（Esc: やめる）",
     "Click the corners of the field; Enter: done; Backspace: take the last back; Esc: leave it": (
         "術野の角をクリック（Enter: 終わり、Backspace: 一つ戻す、Esc: やめる）"

@@ -103,3 +103,34 @@ def test_one_written_into_the_edl_meanwhile_stays(built, blender):
     cleared = edits.clear_field(made)
     edls.save(cleared, path)
     assert pull_overrides(built, blender=blender) == cleared
+
+
+def test_corners_are_of_the_frame_they_were_clicked_in_and_what_began_ends_once(built, blender):
+    """Playback may have gone on, and a window can close under an operator: it is then told by `cancel` alone."""
+    code = (
+        ON
+        + """
+    from blender_addon.ui.operators import field, look, preview
+    refresh.refresh_timeline(scene)
+    go(25)
+    bpy.ops.mcsl.draw_field(corners="100,60 200,60 150,140", frame=40)
+    out = [scene["mcsl_drawn_fields"]]
+    for kind in (field.MCSL_OT_draw_field, look.MCSL_OT_set_centre):
+        handler = bpy.types.SpaceSequenceEditor.draw_handler_add(print, (), "PREVIEW", "POST_PIXEL")
+        preview._lines.append(handler)
+        for _ in range(2):
+            kind.cancel(None, bpy.context)
+        out.append(len(preview._lines))
+    seen = []
+    for view, channel in (("SEQUENCER", 0), ("PREVIEW", 0), ("PREVIEW", 2)):
+        for area in bpy.context.screen.areas:
+            if area.type == "SEQUENCE_EDITOR":
+                area.spaces.active.view_type, area.spaces.active.display_channel = view, channel
+        seen.append([found.value for _, found in preview._previews(bpy.context)])
+    out.append(seen)
+    """
+    )
+    drawn, *left, seen = in_blender(blender, built, code, save=False)
+    assert drawn.startswith("[[30, 60, "), "the perspective of frame 40, not of the playhead"
+    assert left == [0, 0]
+    assert seen == [[], ["programme"], ["channel"]]
