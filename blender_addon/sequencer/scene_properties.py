@@ -38,6 +38,7 @@ CENTERING_KEYS_HASH = "mcsl_keys"  # the Centering strip's keys as they were wri
 CENTERING_PLAN_HASH = "mcsl_centered"  # the plan that those keys were written from
 CONFORMED_BASIS = "mcsl_conformed_for"  # what its conformed pictures were made from, by time
 SOUND_LAID = "mcsl_sound"  # where sound was laid, as JSON [[start, stop], ...]: what is missing there was taken out
+SILENT = "mcsl_silent"  # it was built without sound, as was asked
 DRAWN_FIELDS = "mcsl_drawn_fields"  # the surgical field drawn by hand since the EDL was written last, as text
 DRAWN_UPON = "mcsl_drawn_upon"  # what the EDL had drawn when that was, as text
 LOOK_FOR_ALL = {  # a part of the look that was switched for the whole programme

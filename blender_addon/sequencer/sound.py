@@ -22,7 +22,7 @@ from ..core.stale import without
 from ..core.strip_plan import AUDIO_CHANNEL, StripPlan, automatic_from_text
 from .compat import content_start, ends, set_content_start, set_ends
 from .edit import check_there, parked, remove, split_at, split_strip
-from .scene_properties import AUTOMATIC_CAMERA, MARK, SOUND_LAID, note_placed, placed_of, role_of
+from .scene_properties import AUTOMATIC_CAMERA, MARK, SILENT, SOUND_LAID, note_placed, placed_of, role_of
 from .touched import Work
 
 
@@ -56,6 +56,8 @@ def lay_sound(scene: Any, plan: StripPlan, base: Path) -> list[str]:
 def renew_sound(scene: Any, plan: StripPlan, base: Path) -> list[str]:
     """The sound from ``plan``, in place of ours; the editor's own sound stays as it is. Notes for a person."""
     ours = our_sound(scene, plan)
+    if not ours and scene.get(SILENT):
+        return []
     laid = laid_before(scene)
     if _is_as_laid(scene, ours, laid, plan):
         for strip in ours:
@@ -80,7 +82,8 @@ def renew_sound(scene: Any, plan: StripPlan, base: Path) -> list[str]:
 
 
 def keep_silent(scene: Any, plan: StripPlan) -> None:
-    """A timeline without sound stays so when it is brought up to date, as one does whose sound was taken out."""
+    """A timeline built without sound stays so when it is brought up to date."""
+    scene[SILENT] = True
     _note_laid(scene, (FrameRange(0, plan.frames),))
 
 

@@ -60,7 +60,7 @@ def timeline(request: TimelineRequest, progress: JsonLines) -> BuiltTimeline:
     notes = build_timeline(scene, plan, request.edl.parent)
     if request.silent:
         keep_silent(scene, plan)
-    output.apply(scene, request.preset, "//" + request.output, sound=has_sound(scene))
+    output.apply(scene, request.preset, "//" + request.output, sound=True)  # the editor may lay some later
     return _finished(scene, edl, plan, request, notes, progress)
 
 

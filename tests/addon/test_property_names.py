@@ -39,6 +39,7 @@ SAVED = {  # in .blend files that editors have: never to be renamed
     "mcsl_placed",
     "mcsl_planned",
     "mcsl_recording",
+    "mcsl_silent",
     "mcsl_sound",
     "mcsl_tracks",
 }

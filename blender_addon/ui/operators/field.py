@@ -84,7 +84,7 @@ class MCSL_OT_draw_field(ClicksInPreview, bpy.types.Operator):
     def execute(self, context):
         scene = sequencer_scene(context)
         try:
-            corners = [tuple(float(number) for number in corner.split(",")) for corner in self.corners.split()]
+            corners = [(float(x), float(y)) for x, y in (corner.split(",") for corner in self.corners.split())]
             edl = edl_of(scene)
             seen = self.frame if self.properties.is_property_set("frame") else scene.frame_current - 1
             new = with_field(read_edl(edl, read_timeline(scene)), seen, corners, more=self.more)

@@ -57,7 +57,7 @@ class ClicksInPreview:
             text = told("The preview shows one channel: set its channel to 0 to see the programme")
         else:
             text = told("Open a preview beside the sequencer")
-        self.report({"WARNING"}, text)
+        self.report({"WARNING"}, text)  # pyright: ignore[reportAttributeAccessIssue] - the operator's
 
 
 def remove_lines():

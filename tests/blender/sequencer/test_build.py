@@ -207,7 +207,7 @@ def test_a_reference_without_sound_makes_a_silent_timeline(project, blender):
     edls.save(attrs.evolve(an_edl(), reference="cam3"), project / "edl.json")
     build_timeline(project / "edl.json", project / "edit.blend", blender=blender)
     code = "out = [[s.name for s in strips if s.type == 'SOUND'], scene.render.ffmpeg.audio_codec]"
-    assert in_blender(blender, project / "edit.blend", code, save=False) == [[], "NONE"]
+    assert in_blender(blender, project / "edit.blend", code, save=False) == [[], "AAC"]
 
 
 def test_a_mirrored_camera_file_is_told(project, blender):

@@ -4,6 +4,7 @@ import av
 import pytest
 from blender_recording import in_blender
 from click.testing import CliRunner
+from notes import Notes
 
 from mcsl_core.blender.render import render
 from mcsl_core.blender.timeline import build_timeline
@@ -33,12 +34,14 @@ def test_one_without_sound_stays_without(project, blender):
     done = CliRunner().invoke(cli, arguments)
     assert done.exit_code == 0, done.output
     look = "out = [[s.name for s in strips if s.type == 'SOUND'], scene.render.ffmpeg.audio_codec]"
-    assert in_blender(blender, blend, look, save=False) == [[], "NONE"]
+    assert in_blender(blender, blend, look, save=False) == [[], "AAC"], "music that is laid later is heard"
+    progress = Notes()
     for _ in range(2):
-        render(blend, out, preset="review", blender=blender)
+        render(blend, out, preset="review", blender=blender, progress=progress)
         with av.open(str(out)) as container:
             assert [stream.type for stream in container.streams] == ["video"]
     assert list(project.glob("edl.conformed/sound-*.wav")), "the render had some to lay"
+    assert not [note for note in progress.notes if "sound" in note], "it was asked for"
     assert in_blender(blender, blend, look, save=False)[0] == []
     build_timeline(edl, project / "with.blend", blender=blender)
     assert in_blender(blender, project / "with.blend", look, save=False)[0]
