@@ -6,7 +6,7 @@ Every stage of the analysis iterates the same samples; pictures are BGR, downsca
 from __future__ import annotations
 
 import json
-import os
+import threading
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -74,7 +74,9 @@ class _Contents:
 
 @define(eq=False)
 class SampleStore:
-    """The samples of a recording in order; iterate it as often as needed. Memory stays flat: pictures lie in a file.
+    """The samples of a recording in order; iterate it as often as needed, from several threads too.
+
+    Memory stays flat: pictures lie in a file.
 
     Attributes
     ----------
@@ -97,6 +99,7 @@ class SampleStore:
     _index: list[dict[str, tuple[int, int]]]
     _file: BinaryIO = field(repr=False)
     damaged: dict[str, tuple[int, ...]] = field(factory=dict)
+    _lock: Any = field(init=False, repr=False, factory=threading.Lock)
 
     @classmethod
     def record(cls, footage: Footage, store: Path, progress: Progress, *, step_s: float = 1.0) -> SampleStore:
@@ -201,8 +204,10 @@ class SampleStore:
         return [i for i in self.within(piece) if not any(self.frames[i] in m.range for m in movements)]
 
     def _read(self, start: int, length: int) -> NDArray[np.uint8]:
-        data = np.frombuffer(os.pread(self._file.fileno(), length, start), np.uint8)  # safe from several threads
-        picture = cv2.imdecode(data, cv2.IMREAD_COLOR)
+        with self._lock:  # several threads read, and Windows has no `os.pread`
+            self._file.seek(start)
+            data = self._file.read(length)
+        picture = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR) if data else None
         if picture is None:
             remedy = "Delete it, or the folder it lies in, and run the same command again"
             raise InputError("holds samples that are damaged", where=str(self._file.name), remedy=remedy)
