@@ -45,7 +45,9 @@ def own_output() -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # a name of a file that is no text is no reason to fail
     with contextlib.suppress(AttributeError, OSError, ValueError):  # none, closed, or no file
-        if sys.stderr.fileno() == 2 and not isinstance(getattr(sys.stderr.buffer, "raw", None), _Told):
+        raw = getattr(sys.stderr.buffer, "raw", sys.stderr.buffer)  # itself, where Python runs unbuffered
+        # A Windows console is written to by a kind of its own that knows UTF-8; a plain file in its place garbles it.
+        if sys.stderr.fileno() == 2 and type(raw) is io.FileIO:
             told = io.BufferedWriter(_Told(2, "w", closefd=False))
             sys.stderr = io.TextIOWrapper(told, sys.stderr.encoding, sys.stderr.errors, line_buffering=True)
     given = sys.stdout

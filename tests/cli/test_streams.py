@@ -78,3 +78,37 @@ def test_work_goes_on_where_nobody_can_be_told(tmp_path: Path, edl: Path, argume
 
 def test_who_reads_no_further_ends_it_quietly(tmp_path: Path, edl: Path) -> None:
     assert mcsl(tmp_path, "look edl.json", "| true")[2] == ""
+
+
+CONSOLE = """
+import io, sys
+from mcsl_core.cli.streams import own_output
+
+class Console(io.RawIOBase):  # as Windows has one, which takes UTF-8 for text
+    def fileno(self): return 2
+    def writable(self): return True
+    def isatty(self): return True
+    def write(self, data): print(ascii(bytes(data).decode()), file=sys.__stderr__); return len(data)
+
+if sys.argv[1] == "console":
+    sys.stderr = io.TextIOWrapper(io.BufferedWriter(Console()), "utf-8", line_buffering=True)
+before = sys.stderr
+own_output()
+print(sys.stderr is before, flush=True, file=sys.stderr)
+print("größer", file=sys.stderr)
+own_output()
+"""
+
+
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+@pytest.mark.parametrize("kind", ["console", "file"])
+def test_a_console_that_is_no_file_stays_what_one_writes_to(tmp_path: Path, kind: str, unbuffered: str) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(CONSOLE, encoding="utf-8")
+    python = {"PYTHONPATH": os.pathsep.join(sys.path), "PYTHONIOENCODING": "utf-8", "PYTHONUNBUFFERED": unbuffered}
+    command = [sys.executable, str(script), kind]
+    done = subprocess.run(
+        command, capture_output=True, encoding="utf-8", env=os.environ | python, timeout=60, check=True
+    )
+    told = {"console": "'True\\n'\n'gr\\xf6\\xdfer\\n'\n", "file": "False\ngrößer\n"}
+    assert done.stderr == told[kind]
