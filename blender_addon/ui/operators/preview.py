@@ -75,7 +75,8 @@ def redraw(context):
 def _previews(context):
     """The preview regions that can be seen, with what they show."""
     editor = sequencer_scene(context).sequence_editor
-    centering = min((s.channel for s in editor.strips if role_of(s) == "centering"), default=None)
+    strips = editor.strips if editor is not None else ()
+    centering = min((s.channel for s in strips if role_of(s) == "centering"), default=None)
     for area in context.screen.areas:
         space = area.spaces.active
         for region in area.regions if area.type == "SEQUENCE_EDITOR" else ():
