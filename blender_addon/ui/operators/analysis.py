@@ -77,7 +77,7 @@ def _keep_decisions(scene, began: Edl) -> None:
     McslError where that cannot be: the timeline then has to stay as it is.
     """
     if read_edl(began, read_timeline(scene)) != began:
-        pull(scene)
+        pull(scene, lambda _, note: job_runner.say(note, "WARNING", told("Analysis")))
 
 
 def edl_of_work(work) -> Path:
