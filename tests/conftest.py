@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import os
+import signal
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,6 +16,12 @@ ROOT = Path(__file__).resolve().parent.parent
 
 os.environ["NO_COLOR"] = "1"  # for this process and the children it starts
 os.environ.pop("FORCE_COLOR", None)
+
+# A shell without job control starts what runs in its background with Ctrl-C ignored, for all children: then tests that
+# stop them waited in vain.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    with contextlib.suppress(ValueError):  # not the main thread
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Other work on the machine must not turn a right answer into a failure. New examples are looked for at the desk: a
 # change must not be refused for an example that has nothing to do with it.
