@@ -53,6 +53,13 @@ class Correspondences:
 Pairs = Mapping[tuple[str, str], Correspondences]  # (camera a, camera b) -> their matches
 
 
+def weighted_median(values: Array, weights: Array) -> float:
+    """The value below which half of the weight lies; (N,) each, one at least."""
+    order = np.argsort(values)
+    below = np.cumsum(weights[order])
+    return float(values[order][np.searchsorted(below, below[-1] / 2)])
+
+
 def pool(matches: Sequence[tuple[Array, Array, Array]], cell_px: float = CELL_PX) -> Correspondences:
     """Pools the matches of many frames: one match per pair of cells.
 

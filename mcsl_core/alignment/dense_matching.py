@@ -7,7 +7,7 @@ flow says the same of in several samples is the patient; hands and heads never a
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from itertools import combinations
 
 import cv2
@@ -36,11 +36,14 @@ class AlignedCamera:
         Full-size camera pixel -> aligned pixel.
     size : (int, int)
         The camera's full width and height.
+    steady : sequence of (h, w) bool array or None, optional
+        Where each picture may be matched; all over without.
     """
 
     pictures: Sequence[Picture | None]
     to_aligned: Array
     size: tuple[int, int]
+    steady: Sequence[Mask | None] = ()
 
 
 @frozen
@@ -64,21 +67,24 @@ class DenseSettings:
     spread_px : float
         ... within so many aligned pixels of the median, half of the time.
     other_hue : float
-        Weight of a point that never shows the field's hue, 0..1.
+        Weight of a point that never shows the field's hue, 0..1: the drapes around a narrow field are many.
     """
 
     grid_px: int = field(default=8)
-    likeness: float = field(default=0.7)
-    contrast: float = field(default=2.0)
+    likeness: float = field(default=0.6)
+    contrast: float = field(default=1.5)
     reach: float = field(default=0.02)
     loop_px: float = field(default=1.0)
     moments: int = field(default=3)
     spread_px: float = field(default=1.0)
-    other_hue: float = field(default=0.3)
+    other_hue: float = field(default=0.02)
 
 
 def match_densely(
-    cameras: Mapping[str, AlignedCamera], area: Mask, settings: DenseSettings | None = None
+    cameras: Mapping[str, AlignedCamera],
+    area: Mask,
+    settings: DenseSettings | None = None,
+    wanted: Set[str] | None = None,
 ) -> dict[tuple[str, str], Correspondences]:
     """Matches every pair of cameras evenly over an area.
 
@@ -90,6 +96,8 @@ def match_densely(
         Where to match, in aligned pixels.
     settings : DenseSettings, optional
         The defaults without.
+    wanted : set of str, optional
+        Only pairs with one of these cameras.
 
     Returns
     -------
@@ -109,7 +117,7 @@ def match_densely(
     grid = crop.grid(area, settings.grid_px)
     flow = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
     bound = settings.reach * float(np.hypot(*area.shape))
-    pairs = list(combinations(sorted(cameras), 2))
+    pairs = [pair for pair in combinations(sorted(cameras), 2) if wanted is None or wanted & set(pair)]
     found: dict[tuple[str, str], list[tuple[Array, NDArray[np.bool_]]]] = {pair: [] for pair in pairs}
     for sample in range(max((len(camera.pictures) for camera in cameras.values()), default=0)):
         laid = {name: crop.lay(camera, sample) for name, camera in cameras.items()}
@@ -132,6 +140,7 @@ class _Laid:
 
     grey: NDArray[np.uint8]
     hue: NDArray[np.uint8]
+    steady: NDArray[np.uint8]
 
 
 @frozen(eq=False)
@@ -167,7 +176,10 @@ class _Crop:
         warp = self.shift @ camera.to_aligned @ scaling((picture.shape[1], picture.shape[0]), camera.size)
         laid = cv2.warpPerspective(picture, warp, self.size, flags=cv2.INTER_LINEAR)
         near = cv2.dilate(hue_mask(laid), np.ones((5, 5), np.uint8))  # pyright: ignore[reportArgumentType]
-        return _Laid(cv2.cvtColor(laid, cv2.COLOR_BGR2GRAY), near)  # pyright: ignore[reportArgumentType]
+        mask = camera.steady[sample] if sample < len(camera.steady) else None
+        steady = np.ones(picture.shape[:2], np.uint8) if mask is None else mask.astype(np.uint8)
+        steady = cv2.warpPerspective(steady, warp, self.size, flags=cv2.INTER_NEAREST)
+        return _Laid(cv2.cvtColor(laid, cv2.COLOR_BGR2GRAY), near, steady)  # pyright: ignore[reportArgumentType]
 
     def to_camera(self, points: Array, camera: AlignedCamera) -> Array:
         """(N, 2) pixels of the crop -> full-size pixels of the camera."""
@@ -192,6 +204,8 @@ def _displacement(
         & (contrast > settings.contrast)
         & (np.hypot(loop[..., 0], loop[..., 1]) < settings.loop_px)
         & (np.hypot(there[..., 0], there[..., 1]) < bound)
+        & (a.steady > 0)
+        & (cv2.remap(b.steady, to_x, to_y, cv2.INTER_NEAREST) > 0)
     )
     hue = (a.hue > 0) & (cv2.remap(b.hue, to_x, to_y, cv2.INTER_NEAREST) > 0)
     at = (grid[:, 1], grid[:, 0])

@@ -19,7 +19,7 @@ from scipy.optimize import least_squares
 from mcsl_core.edl import Weak
 from mcsl_core.imaging.geometry import Array, transform_points
 
-from .correspondences import CELL_PX, Correspondences
+from .correspondences import CELL_PX, Correspondences, weighted_median
 from .protocol import Alignment
 
 Pair = tuple[str, str]
@@ -208,7 +208,7 @@ def fit_homography(pair: Correspondences, start: Array, rounds: int = 10) -> Arr
     Notes
     -----
     Gauss-Newton on normalised points (Hartley, "In defense of the eight-point algorithm", PAMI 1997), Huber at 1.5
-    times the median residual.
+    times the median residual, by weight: many light matches must not make outliers of the few that count.
     """
     to_a, to_b = _normaliser(pair.a), _normaliser(pair.b)
     a, b = transform_points(to_a, pair.a), transform_points(to_b, pair.b)
@@ -220,7 +220,7 @@ def fit_homography(pair: Correspondences, start: Array, rounds: int = 10) -> Arr
         moved = (a @ h[:2, :2].T + h[:2, 2]) / denominator[:, None]
         error = moved - b
         length = np.hypot(*error.T)
-        bound = 1.5 * max(float(np.median(length)), 1e-9)
+        bound = 1.5 * max(weighted_median(length, pair.weight), 1e-9)
         weight = pair.weight * np.minimum(1, bound / np.maximum(length, 1e-12))
         root = np.sqrt(weight)
         basis = np.column_stack([a, ones]) / denominator[:, None]
@@ -325,7 +325,8 @@ def _refine(
     at_start = residuals(x0)
     # Huber beyond 5 % of the width, in the units that the weights give the residuals: relief is no outlier, and the
     # plane that serves the field best is the one of least squares (1 % instead: 0.05 more of the best plane's error).
-    typical = float(np.median(np.concatenate([root for *_, root in terms])))
+    roots = np.concatenate([root for *_, root in terms])
+    typical = weighted_median(roots, roots**2)
     solved = least_squares(residuals, x0, loss="huber", f_scale=max(0.1 * typical, 1e-12), max_nfev=60)
     if not np.isfinite(solved.x).all() or np.square(solved.fun).sum() > 4 * np.square(at_start).sum():
         return homographies

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Protocol
 
+import attrs
 import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
@@ -215,12 +216,41 @@ def weight_matches(
     -------
     Correspondences
         1 inside in both, times the samples it was found in up to 8 (what lasts is the patient; what matches in few may
-        be a hand above the field's plane), divided by the crowd around it.
+        be a hand above the field's plane), divided by the crowd around it, and less the farther it lies from where both
+        cameras aim.
     """
     inside = _in_field(pair.a, size_a, field_a).astype(float) + _in_field(pair.b, size_b, field_b)
     weight = settings.drape_weight + (1 - settings.drape_weight) * inside / 2
     lasting = np.minimum(pair.seen, 8)
-    return _evened(Correspondences(pair.a, pair.b, weight * lasting, pair.seen), size_a)
+    return weight_by_aim(
+        _evened(Correspondences(pair.a, pair.b, weight * lasting, pair.seen), size_a), size_a, size_b, settings.aim
+    )
+
+
+def weight_by_aim(
+    pair: Correspondences, size_a: tuple[int, int], size_b: tuple[int, int], aim: float
+) -> Correspondences:
+    """Weighs matches by how far they lie from the middle of both pictures, where the lamp's cameras aim.
+
+    Parameters
+    ----------
+    pair : Correspondences
+        Of two cameras.
+    size_a, size_b : (int, int)
+        Full width and height of each.
+    aim : float
+        Standard deviation of the weight, in widths of the picture.
+
+    Returns
+    -------
+    Correspondences
+        Each weight times the geometric mean of both cameras' Gaussians.
+    """
+    off = [
+        np.square(points - (np.array(size) - 1) / 2).sum(axis=1) / (aim * size[0]) ** 2
+        for points, size in ((pair.a, size_a), (pair.b, size_b))
+    ]
+    return attrs.evolve(pair, weight=pair.weight * np.exp(-(off[0] + off[1]) / 4))
 
 
 def _full_size(points: NDArray, reduced: tuple[int, int], size: tuple[int, int]) -> Array:
