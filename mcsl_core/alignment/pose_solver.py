@@ -182,8 +182,8 @@ class PoseSolver:
     def _covering(self, cameras: Mapping[str, AlignedCamera], field: Mask, wanted: Set[str] | None = None) -> Pairs:
         """The matches in a field of the pairs that cover enough of it.
 
-        Outside of it a third as many as inside at most, or the drapes would decide which matches are true; only pairs that lead to the reference: others would outweigh
-        the points that they hang on.
+        Outside of it a quarter as many as inside at most, or drapes would decide which are true. Only pairs that lead
+        to the reference: others would outweigh the points that they hang on.
         """
         settings = self.settings
         least = settings.least_covered * field.sum() / settings.dense.grid_px**2
@@ -191,7 +191,7 @@ class PoseSolver:
         for (a, b), matches in match_densely(cameras, convex_hull(field), settings.dense, wanted).items():
             inside = _inside(transform_points(cameras[a].to_aligned, matches.a), field)
             if inside.sum() >= least:
-                covering[a, b] = matches.where(inside | _as_many(~inside, int(inside.sum() // 3)))
+                covering[a, b] = matches.where(inside | _as_many(~inside, int(inside.sum()) // 4))
         return covering if wanted else _leading_to(self.reference, covering)
 
     def _together(self, first: Alignment, by_points: Pairs, dense: Pairs) -> Alignment:
