@@ -26,7 +26,8 @@ from .clear_frames import degree_of_occlusion, field_area
 from .colour_match import match_colours
 from .correspondences import Pairs
 from .dense_matching import AlignedCamera, DenseSettings, match_densely
-from .field import field_by_hue, field_by_vote, field_in_camera, field_that_stays, modal_picture, shared_aim
+from .field import field_by_hue, field_by_vote, field_in_camera, modal_picture, shared_aim
+from .field_voices import Evidence, aim_of, busy_places, field_by_voices
 from .observations import Observations, Samples, SolvedPose, match_cameras, observe, spread, weight_matches
 from .protocol import Aligner, Alignment, Matcher
 from .settings import SolveSettings
@@ -98,20 +99,18 @@ class PoseSolver:
         for_dense = spread(standing, settings.dense_moments)
         observations = observe(clear, for_field, samples, self.matcher)
         first, by_points = self._by_points(observations, known)
-        by_hue = self._by_hue(first, for_field, samples) if known is None else known
+        field, area = self._field(first, for_field, samples) if known is None else (known, known)
         pictures = [samples[i].pictures for i in for_dense]
         # In a field that is known its hue says nothing more.
         how = settings.dense if known is None else attrs.evolve(settings.dense, other_hue=1.0)
-        dense = self._densely(first, by_hue, pictures, how)
+        dense = self._densely(first, area, pictures, how)
         alignment = self._together(first, by_points, dense)
         for weak in alignment.weak:
             progress.note(f"frames {frames}: camera {weak.camera} is weak: {weak.reason}")
         aligned = self._aligned(alignment, settings.scene_width)
-        field = resize_mask(by_hue, aligned.size)
-        sure = known is not None or (bool(by_hue.any()) and shared_aim(aligned) >= ONE_AIM)
-        if known is None:
-            field = field_that_stays(aligned, field, dense) if sure else central_ellipse(aligned.size)
-        aligned = attrs.evolve(aligned, field=field)
+        shown = resize_mask(field, aligned.size)
+        sure = known is not None or (bool(shown.any()) and shared_aim(aligned) >= ONE_AIM)
+        aligned = attrs.evolve(aligned, field=shown if sure else central_ellipse(aligned.size))
         pose = Pose(
             range=frames,
             homographies={name: to_edl_matrix(h) for name, h in alignment.homographies.items()},
@@ -160,10 +159,14 @@ class PoseSolver:
         }
         return self.aligner.align(pairs, sizes, self.reference), pairs
 
-    def _by_hue(self, first: Alignment, positions: Sequence[int], samples: Samples) -> Mask:
-        """Where the picture that is seen most has the field's hue; empty where it has it nowhere."""
+    def _field(self, first: Alignment, positions: Sequence[int], samples: Samples) -> tuple[Mask, Mask]:
+        """The field, empty where nothing shows it, and what to match densely: that, or what has its hue."""
         coarse = self._aligned(first, self.settings.typical_width)
-        return field_by_hue(modal_picture(coarse, (samples[i].pictures for i in positions)))
+        picture = modal_picture(coarse, (samples[i].pictures for i in positions))
+        views = [coarse.views(samples[i].pictures) for i in spread(positions, self.settings.dense_moments)]
+        evidence = Evidence(picture, aim_of(coarse), busy_places(views, coarse.size))
+        found = field_by_voices(evidence).mask
+        return found, found if found.any() else field_by_hue(picture)
 
     def _densely(
         self, first: Alignment, by_hue: Mask, pictures: Sequence[Mapping[str, Picture | None]], dense: DenseSettings
