@@ -123,6 +123,16 @@ def test_raw_streams_are_refused_by_name_with_a_remedy(tmp_path, suffix, codec, 
         probe(renamed)
 
 
+@pytest.mark.parametrize("options", [{"bf": "0"}, {"bf": "2"}])
+def test_pictures_without_a_time_in_a_programme_stream_are_refused(tmp_path, options):
+    """Many small pictures of H.264 share one of its blocks, which has one time."""
+    path = write_coded(tmp_path / "cam1.mpg", range(60), codec="libx264", options=options)
+    with pytest.raises(MediaError, match=r"\d+ of 6\d pictures have no time") as caught:
+        probe(path)
+    assert "cam1.mpg" in caught.value.remedy
+    assert probe(write_coded(tmp_path / "cam2.mpg", range(60), codec="mpeg2video", options=options)).frames == 60
+
+
 @pytest.mark.parametrize("large", [False, True])
 @pytest.mark.parametrize("suffix", [".ts", ".mpg"])
 def test_files_joined_end_to_end_are_refused_where_the_clock_is_set_back(tmp_path, monkeypatch, suffix, large):
