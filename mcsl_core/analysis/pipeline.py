@@ -95,8 +95,7 @@ def _analysed(
     rate = settings.rate or reference.rate
     cache = StageCache(cache_folder(out) if settings.cache else None, progress)
     footage = _on_one_clock(cameras, reference.name, out.parent, rate, settings, cache, progress)
-    found = cache.remember(DAMAGE, damage_key(cameras), damage_of, footage, progress)
-    footage = _with_gaps(footage, found, progress)
+    footage = _with_gaps(footage, cache.remember(DAMAGE, damage_key(cameras), damage_of, footage, progress), progress)
     cameras, frames = footage.cameras, footage.frames
     drawn = _kept_decisions(place.before, reference, footage, progress)
     sizes = {camera.name: camera.size for camera in cameras}
