@@ -37,7 +37,8 @@ def edl_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     edl = mcsl.analyse(folder, path).edl
     assert MARK in edl.cameras[0].name
     second = edl.cameras[1].name
-    pose = attrs.evolve(edl.poses[0], weak=(Weak(second, f"too few matches with {edl.reference}"),))
+    others = (weak for weak in edl.poses[0].weak if weak.camera != second)
+    pose = attrs.evolve(edl.poses[0], weak=(Weak(second, f"too few matches with {edl.reference}"), *others))
     made_by = MadeBy("1.0", {"note": MARK}, {"occlusion": f"net {MARK}-net 1.0"})
     overrides = (Override(FrameRange(10, 20), camera=edl.cameras[2].name, note=f"name of {MARK} spoken"),)
     save(attrs.evolve(edl, poses=(pose, *edl.poses[1:]), overrides=overrides, made_by=made_by), path)
