@@ -20,7 +20,10 @@ def spans(path):
 
 @pytest.mark.parametrize("codec", ["libx264", "libx265", "libsvtav1", "mpeg4"])
 def test_one_changed_byte_is_a_gap_of_its_cluster(tmp_path, codec):
-    path = write_film(tmp_path, "a.mkv", codec)
+    try:
+        path = write_film(tmp_path, "a.mkv", codec)
+    except av.error.ArgumentError as error:  # the oldest PyAV's encoder of AV1 gives packets that Matroska refuses
+        pytest.skip(f"cannot be written by this PyAV: {error}")
     assert spans(path) == []
     damaged(path, place_of(path, 100) + 90, noise(1))
     ((start, stop),) = spans(path)
