@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mcsl_core.edl import Edl
 from mcsl_core.edl.edits import clear_field, draw_field
-from mcsl_core.edl.field import Polygon, fields_now
+from mcsl_core.edl.field import Polygon, field_at
 from mcsl_core.errors import Fault, UsageError
 from mcsl_core.imaging.masks import polygon_mask
 from mcsl_core.timing import FrameRange
@@ -80,7 +80,7 @@ class Fields:
         showed it and the middle of the picture was taken.
         """
         at = self._views.check_frame(frame)
-        stretch = next((each for each in fields_now(self.edl) if at in each.range), None)
+        stretch = field_at(self.edl, at)
         return None if stretch is None else polygon_mask([np.array(p) for p in stretch.polygons], self.edl.size)
 
 

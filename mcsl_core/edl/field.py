@@ -106,6 +106,11 @@ def fields_now(edl: Edl) -> list[FieldStretch]:
     return found
 
 
+def field_at(edl: Edl, frame: int) -> FieldStretch | None:
+    """Where the field lies at a frame; None where nobody knows."""
+    return next((stretch for stretch in fields_now(edl) if frame in stretch.range), None)
+
+
 def at_size(stretches: Sequence[Stretch], x: float, y: float) -> tuple[Stretch, ...]:
     """The stretches with their outlines ``x`` and ``y`` times as large; without those that are nothing then."""
     made = []

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from mcsl_core.analysis.measurements import load_measurements
 from mcsl_core.compositing.placement import programme_matrix
 from mcsl_core.edl import Edl, FieldStretch
-from mcsl_core.edl.field import MIDDLE, fields_now
+from mcsl_core.edl.field import MIDDLE, field_at, fields_now
 from mcsl_core.edl.placement import placement_matrix
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.errors import McslError, MediaError
@@ -69,11 +69,6 @@ def _clear_frame(edl: Edl, base: Path) -> int:
         return frames[len(frames) // 2] if frames else (longest.start + longest.stop - 1) // 2
     seen = np.nan_to_num(scores.visible[:, scores.cameras.index(edl.reference)], nan=-1)
     return max(frames, key=lambda frame: seen[np.abs(scores.frames - frame).argmin()])
-
-
-def field_at(edl: Edl, frame: int) -> FieldStretch | None:
-    """Where the field lies at a frame; None where nobody knows."""
-    return next((stretch for stretch in fields_now(edl) if frame in stretch.range), None)
 
 
 def laid_picture(edl: Edl, footage: Footage, frame: int) -> Picture:

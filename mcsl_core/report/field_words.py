@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mcsl_core.edl import Edl
 from mcsl_core.edl.field import HAND, MIDDLE, PICTURES, awaits_analysis, fields_now
 from mcsl_core.occlusion.score_table import ScoreTable
-from mcsl_core.timing import FrameRange
+from mcsl_core.timing import FrameRange, merge_equal
 
 FIELD, THE_MIDDLE = "surgical field", "middle of the picture"
 _WORDS = {
@@ -45,12 +45,7 @@ def seen_of(edl: Edl) -> str:
 
 def field_lines(edl: Edl, span: Callable[[FrameRange], str]) -> tuple[str, ...]:
     """Where the field lies when, in a line each; what is the same in neighbouring poses in one."""
-    lines: list[tuple[FrameRange, str]] = []
-    for stretch in fields_now(edl):
-        if lines and lines[-1][1] == stretch.by and lines[-1][0].stop == stretch.range.start:
-            lines[-1] = (FrameRange(lines[-1][0].start, stretch.range.stop), stretch.by)
-        else:
-            lines.append((stretch.range, stretch.by))
+    lines = merge_equal([(stretch.range, stretch.by) for stretch in fields_now(edl)])
     told = [f"{span(piece)}: {_WORDS[by]}" for piece, by in lines]
     if awaits_analysis(edl):
         told.append("It was drawn after the analysis: shares, shots and centering are of before.")

@@ -20,6 +20,7 @@ from mcsl_core.compositing.coverage import Coverage
 from mcsl_core.compositing.placement import programme_matrix
 from mcsl_core.compositing.proxy import proxy_edl, proxy_filler, proxy_size
 from mcsl_core.edl import Edl, Pose
+from mcsl_core.edl.field import field_at
 from mcsl_core.edl.placement import placement_matrix
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.imaging.geometry import scaling
@@ -29,7 +30,7 @@ from mcsl_core.progress import Progress
 from mcsl_core.recording.footage import Footage
 from mcsl_core.timing import FrameRange
 
-from .field_picture import field_at, outlined
+from .field_picture import outlined
 
 WIDTH = 480  # of the pictures: sharp enough to see a ghost of two pixels in 640, 20 to 40 kB each
 _QUALITY = 80

@@ -22,8 +22,10 @@ def spans(path):
 def test_one_changed_byte_is_a_gap_of_its_cluster(tmp_path, codec):
     try:
         path = write_film(tmp_path, "a.mkv", codec)
-    except av.error.ArgumentError as error:  # the oldest PyAV's encoder of AV1 gives packets that Matroska refuses
-        pytest.skip(f"cannot be written by this PyAV: {error}")
+    except av.error.ArgumentError as error:
+        if codec != "libsvtav1":  # once in some 200 films Matroska refused a packet of this encoder; why is not known
+            raise
+        pytest.skip(f"the film could not be written: {error}")
     assert spans(path) == []
     damaged(path, place_of(path, 100) + 90, noise(1))
     ((start, stop),) = spans(path)
