@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 import attrs
 import numpy as np
 import pytest
+from brightness import Brightness
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView
+from mcsl_core.alignment.aligned_views import AlignedPose
 from mcsl_core.edl import Camera, Media, Movement
 from mcsl_core.hooks.registry import discover
 from mcsl_core.imaging.planes import bgr_to_planes
@@ -27,19 +27,6 @@ from mcsl_core.timing import FrameRange
 RATE, FRAMES, SIZE = 10, 120, (64, 48)
 CAMERAS = ("cam1", "cam2")
 DARK = FrameRange(63, 87)  # of cam1; cam2 shows half the field throughout
-
-
-@attrs.frozen
-class Brightness:
-    """A detector for this test: the field is visible as far as the picture is bright."""
-
-    name = "brightness"
-
-    def scorer(self, aligned: AlignedPose, samples: Sequence[Sequence[AlignedView]]) -> Brightness:
-        return self
-
-    def score(self, views: Sequence[AlignedView]) -> Mapping[str, float]:
-        return {v.camera: float(v.aligned.mean()) / 255 for v in views}
 
 
 def bright(camera: str, frame: int) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from itertools import pairwise
 from math import ceil
@@ -10,10 +10,11 @@ from math import ceil
 import attrs
 import numpy as np
 import pytest
+from brightness import Brightness
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView
+from mcsl_core.alignment.aligned_views import AlignedPose
 from mcsl_core.edl import Camera, Media, Movement, Shot
 from mcsl_core.hooks.registry import discover
 from mcsl_core.imaging.planes import bgr_to_planes
@@ -29,19 +30,6 @@ from mcsl_core.timing import FrameRange, check_tiles
 
 RATE, FRAMES, SIZE = 10, 120, (64, 48)
 GOES_DARK = 57  # cam1 shows the field before this frame, cam2 from it on
-
-
-@attrs.frozen
-class Brightness:
-    """A detector for this test: the field is visible as far as the picture is bright."""
-
-    name = "brightness"
-
-    def scorer(self, aligned: AlignedPose, samples: Sequence[Sequence[AlignedView]]) -> Brightness:
-        return self
-
-    def score(self, views: Sequence[AlignedView]) -> Mapping[str, float]:
-        return {v.camera: min(1.0, float(v.aligned.mean()) / 255) for v in views}
 
 
 @pytest.fixture(scope="module")
