@@ -124,17 +124,21 @@ def field_iou(out: Path, truth: Truth) -> float:
 
 
 def scored(out: Path, truth: Truth) -> dict[str, float]:
-    """Mean absolute error of the scores, and what the camera of the highest score shows over the best one, samples."""
+    """Mean absolute error of the scores, and what the camera of the highest score shows over the best one, samples.
+
+    Scores are held against the frame that a picture really belongs to, the camera of the highest score against the
+    sample's.
+    """
     with np.load(out.with_name("edl.scores.npz")) as arrays:
         scores = ScoreTable.from_arrays(dict(arrays))
-    frames = np.clip(scores.frames, 0, truth.frames - 1)
+    frames, shown = (np.clip(at, 0, truth.frames - 1) for at in (scores.frames, scores.shown))
     stands = np.array([any(p.range[0] <= f < p.range[1] for p in truth.poses) for f in frames])
-    true = truth.visible_field[frames]
     known = stands[:, None] & ~np.isnan(scores.visible)
-    first = np.where(known, scores.visible, -1.0).argmax(axis=1)
-    rows = np.flatnonzero(stands)
+    first = np.where(known, scores.seen_at(scores.frames), -1.0).argmax(axis=1)
+    off = np.abs(scores.visible - np.take_along_axis(truth.visible_field, shown, axis=0))
+    true, rows = truth.visible_field[frames], np.flatnonzero(stands)
     return {
-        "error": float(np.abs(scores.visible - true)[known].mean()),
+        "error": float(off[known].mean()),
         "best": float(true[rows, first[rows]].sum() / true[rows].max(axis=1).sum()),
     }
 
@@ -210,9 +214,9 @@ def _detectors_head() -> list[str]:
         "## Detectors",
         "",
         "Score error: mean absolute difference from the true visible share, a sample a second while the lamp stands "
-        "(reach: 0.05); a picture may be half a second off its sample, which quick heads feel. "
-        "Then what the camera of the highest score shows in the samples, and what the programme of each detector shows "
-        "in all frames, over the best camera's.",
+        "(reach: 0.05), at the frame that the sample's picture really belongs to. Then what the camera of the highest "
+        "score shows in the samples, and what the programme of each detector shows in all frames, over the best "
+        "camera's.",
         "",
     ]
 

@@ -140,10 +140,12 @@ def score_views(
     Returns
     -------
     ScoreTable
+        Each score stands at the frame that its picture really belongs to; a picture of a moving lamp has none.
     """
     progress.stage("Scoring the views", len(samples), "samples")
     visible = np.full((len(samples), len(samples.cameras)), np.nan)
     usable = np.zeros(visible.shape, bool)
+    shown = np.repeat(np.array(samples.frames, np.int64)[:, None], len(samples.cameras), axis=1)
     for pose in solved:
         still = set(samples.standing(pose.pose.range, movements))
         for position in samples.within(pose.pose.range):
@@ -153,7 +155,11 @@ def score_views(
             scores = {} if segment is None else segment.score(views)
             for view in views:
                 column = samples.cameras.index(view.camera)
+                frame = shown[position, column] = sample.shown_frames.get(view.camera, sample.frame)
                 usable[position, column] = True
-                visible[position, column] = scores.get(view.camera, np.nan)
+                # A camera may run before the programme begins and after it ends.
+                within = min(max(frame, solved[0].pose.range.start), solved[-1].pose.range.stop - 1)
+                if within in pose.pose.range and not any(within in m.range for m in movements):
+                    visible[position, column] = scores.get(view.camera, np.nan)
             progress.advance(position + 1)
-    return ScoreTable(np.array(samples.frames), samples.cameras, visible, usable)
+    return ScoreTable(np.array(samples.frames), samples.cameras, visible, usable, shown=shown)

@@ -45,31 +45,38 @@ class Sample:
         The programme frame.
     pictures
         Camera -> (`SAMPLE_HEIGHT`, W, 3) BGR; None where a camera has no picture.
+    shown_frames
+        Camera -> the programme frame that its picture really belongs to, half a second off ``frame`` at most where
+        samples lie a second apart; ``frame`` itself of a camera that is not in it.
     """
 
     frame: int
     pictures: Mapping[str, NDArray[np.uint8] | None]
+    shown_frames: Mapping[str, int] = field(factory=dict)
 
 
 @frozen
 class _Contents:
-    """Where each picture lies: by sample, camera -> (first byte, bytes). ``damaged``: as `SampleStore` has it."""
+    """Where each picture lies: by sample, camera -> (first byte, bytes, the programme frame that it belongs to).
+
+    ``damaged``: as `SampleStore` has it.
+    """
 
     cameras: tuple[str, ...]
     frames: tuple[int, ...]
-    pictures: tuple[dict[str, tuple[int, int]], ...]
+    pictures: tuple[dict[str, tuple[int, int, int]], ...]
     damaged: dict[str, tuple[int, ...]] = field(factory=dict)
 
     def __attrs_post_init__(self) -> None:
         rising = all(a < b for a, b in pairwise((-1, *self.frames)))
-        spans = [span for row in self.pictures for span in row.values()]
+        spans = [span[:2] for row in self.pictures for span in row.values()]
         known = {name for row in self.pictures for name in row} <= set(self.cameras)
         if not (rising and known and len(self.frames) == len(self.pictures)) or min(map(min, spans), default=0) < 0:
             raise Fault("do not fit each other")
 
     @property
     def size(self) -> int:
-        return max((sum(span) for row in self.pictures for span in row.values()), default=0)
+        return max((sum(span[:2]) for row in self.pictures for span in row.values()), default=0)
 
 
 @define(eq=False)
@@ -96,7 +103,7 @@ class SampleStore:
 
     frames: list[int]
     cameras: tuple[str, ...]
-    _index: list[dict[str, tuple[int, int]]]
+    _index: list[dict[str, tuple[int, int, int]]]
     _file: BinaryIO = field(repr=False)
     damaged: dict[str, tuple[int, ...]] = field(factory=dict)
     _lock: Any = field(init=False, repr=False, factory=threading.Lock)
@@ -144,7 +151,7 @@ class SampleStore:
             for name, picture in sample.pictures.items():
                 if picture is not None:
                     data = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1].tobytes()
-                    spans[name] = (stream.tell(), len(data))
+                    spans[name] = (stream.tell(), len(data), sample.shown_frames[name])
                     with writing(store):
                         stream.write(data)
             made.frames.append(sample.frame)
@@ -181,12 +188,13 @@ class SampleStore:
         return len(self.frames)
 
     def __getitem__(self, position: int) -> Sample:
-        return Sample(self.frames[position], {name: self.picture(position, name) for name in self.cameras})
+        pictures = {name: self.picture(position, name) for name in self.cameras}
+        return Sample(self.frames[position], pictures, {n: span[2] for n, span in self._index[position].items()})
 
     def picture(self, position: int, camera: str) -> NDArray[np.uint8] | None:
         """One camera's picture at one position; None where it has none."""
         spans = self._index[position]
-        return self._read(*spans[camera]) if camera in spans else None
+        return self._read(*spans[camera][:2]) if camera in spans else None
 
     def shows(self, position: int, camera: str) -> bool:
         """Whether a camera has a picture at one position; reads none."""

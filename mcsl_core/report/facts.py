@@ -310,7 +310,7 @@ def _lane(
     gaps = tuple(bar(g.start, g.stop, edl.frames, "gap", f"no picture, {times.span(g)}") for g in camera.gaps)
     curve, filled, visible = "", "", ""
     if scores is not None and camera.name in scores.cameras:
-        values = scores.visible[:, scores.cameras.index(camera.name)]
+        values = scores.seen[:, scores.cameras.index(camera.name)]
         x, y = binned(scores.frames, values, edl.frames)
         curve = curve_path(x, y, edl.frames, 0, 1)
         filled = curve_path(x, y, edl.frames, 0, 1, closed=True)

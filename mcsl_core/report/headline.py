@@ -90,11 +90,12 @@ def visible_field(edl: Edl, scores: ScoreTable | None) -> tuple[float | None, fl
     """
     if scores is None or not len(scores.frames):
         return None, None
-    shown = scores.visible[np.arange(len(scores.frames)), _columns(edl, scores)]
+    seen = scores.seen
+    shown = seen[np.arange(len(scores.frames)), _columns(edl, scores)]
     known, lengths = ~np.isnan(shown) & scored(edl, scores)[0], np.diff(sample_borders(scores, edl.frames))
     if not known.any():
         return None, None
-    best = np.nanmax(scores.visible[known], axis=1)
+    best = np.nanmax(seen[known], axis=1)
     return mean_known(shown[known], lengths[known]), mean_known(best, lengths[known])
 
 

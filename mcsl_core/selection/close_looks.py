@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import attrs
 import numpy as np
 from attrs import field, frozen
 from numpy.typing import NDArray
@@ -110,7 +109,7 @@ def fast_changes(table: ScoreTable, step: int, change: float) -> list[FrameRange
     list of FrameRange
         Each from a sample up to and with a later one, in order, without overlap; neighbours are one.
     """
-    seen = np.where(table.usable & ~np.isnan(table.visible), table.visible, -1.0)
+    seen = np.where(table.usable & ~np.isnan(table.visible), table.seen_at(table.frames), -1.0)
     stretches: list[FrameRange] = []
     for i in range(len(seen) - 1):
         a, b = seen[i], seen[i + 1]
@@ -138,7 +137,8 @@ def _with_rows(table: ScoreTable, rows: dict[int, tuple[NDArray, NDArray]]) -> S
     """The table with these rows, frame -> (visible, usable), in place of its own or between them."""
     if not rows:
         return table
-    own = {int(n): (table.visible[i], table.usable[i]) for i, n in enumerate(table.frames)}
-    merged = dict(sorted({**own, **rows}.items()))
-    visible, usable = (np.array(part) for part in zip(*merged.values(), strict=True))
-    return attrs.evolve(table, frames=np.array(list(merged)), visible=visible, usable=usable, merits={})
+    own = {int(n): (table.visible[i], table.usable[i], table.shown[i]) for i, n in enumerate(table.frames)}
+    close = {n: (*row, np.full(len(table.cameras), n)) for n, row in rows.items()}
+    merged = dict(sorted({**own, **close}.items()))
+    visible, usable, shown = (np.array(part) for part in zip(*merged.values(), strict=True))
+    return ScoreTable(np.array(list(merged)), table.cameras, visible, usable, shown=shown)

@@ -59,7 +59,7 @@ class ShortestPath:
         """
         borders = sample_borders(table, frames)
         deductions = tuple(self.worth.deductions(table))
-        each = self.worth.of(_known(table)) - sum(off for _, off in deductions)
+        each = self.worth.of(table.seen_at(table.frames)) - sum(off for _, off in deductions)
         value = np.where(table.usable, each, FORBIDDEN) * np.diff(borders)[:, None]
         total = np.vstack([np.zeros(value.shape[1]), np.cumsum(value, axis=0)])
         choice = _best_path(
@@ -177,10 +177,10 @@ def worth(table: ScoreTable, borders: NDArray[np.int64]) -> NDArray[np.float64]:
 
     Notes
     -----
-    Where there is no data, as while the lamp moves, the line between what was seen before and after stands for it (a
-    head is likely to be still there); 0 for a camera without any.
+    Where there is no data, as while the lamp moves, the line between what was seen before and after stands for it; see
+    `ScoreTable.seen_at`.
     """
-    return np.where(table.usable, _known(table), FORBIDDEN) * np.diff(borders)[:, None]
+    return np.where(table.usable, table.seen_at(table.frames), FORBIDDEN) * np.diff(borders)[:, None]
 
 
 def shots_from(
@@ -213,11 +213,11 @@ def shots_from(
         Tiling [0, borders[S]); neighbours differ in their camera. A shot's score is the mean visible field, 0..1.
     """
     starts = np.flatnonzero(np.concatenate([[True], np.diff(choice) != 0]))
-    lengths, deductions = np.diff(borders), tuple(deductions)
+    lengths, deductions, measured = np.diff(borders), tuple(deductions), table.seen
     shots = []
     for start, stop in zip(starts, [*starts[1:], len(choice)], strict=True):
         camera, rows = int(choice[start]), slice(int(start), int(stop))
-        seen = [mean_known(column, lengths[rows]) for column in table.visible[rows].T]
+        seen = [mean_known(column, lengths[rows]) for column in measured[rows].T]
         usable = np.any(table.usable[rows], axis=0)
         others = [(s, -c) for c, s in enumerate(seen) if s is not None and c != camera and usable[c]]
 
@@ -254,15 +254,6 @@ def mean_known(values: NDArray[np.float64], lengths: NDArray[np.int64]) -> float
     """
     known = ~np.isnan(values)
     return float(np.average(values[known], weights=lengths[known])) if known.any() else None
-
-
-def _known(table: ScoreTable) -> NDArray[np.float64]:
-    """(S, C): visible field, and where there is no data the line between what was seen before and after, or 0."""
-    seen = table.visible.copy()
-    for column in seen.T:
-        known = ~np.isnan(column)
-        column[~known] = np.interp(table.frames[~known], table.frames[known], column[known]) if known.any() else 0.0
-    return seen
 
 
 def _best_path(total: NDArray[np.float64], borders: NDArray[np.int64], *, least: int, cost: float) -> NDArray[np.int64]:

@@ -96,7 +96,7 @@ def costs_of(style: Style, table: ScoreTable, borders: NDArray[np.int64], rate: 
             )
         value[:, table.cameras.index(name)] += style.preference * np.diff(borders)
     # Whether a camera still shows the field is asked of the sample after the cut: that is what the viewer misses.
-    holding = np.where(table.usable, table.visible, 0.0) >= style.hold  # NaN, no data, holds nobody
+    holding = np.where(table.usable, table.seen, 0.0) >= style.hold  # NaN, no data, holds nobody
     leaving = np.zeros((len(borders), len(table.cameras)))
     leaving[:-1] = np.where(holding, style.hold_cost_s * rate, 0.0)
     return Costs(
