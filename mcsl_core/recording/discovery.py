@@ -46,7 +46,8 @@ def discover(
         Folders or video files. A folder has one camera for each video file in it, in natural order, named by the
         file's stem; files such as cam1_000.mp4, cam1_001.mp4 (one stem, then _ or - and three digits) are parts of one
         camera, and so are the chapters of one GoPro recording (GH010123.MP4, GH020123.MP4).
-        A folder in it that holds video files is one camera. Files handed in singly are cameras in that order.
+        A folder in it that holds video files is one camera, but a simulation's ideal programme is none. Files handed
+        in singly are cameras in that order.
     leave_out
         Real paths of files in folders that are no cameras.
 
@@ -108,7 +109,7 @@ def _in_folder(folder: Path, leave_out: Collection[Path], *, alone: bool) -> lis
         return [(folder.name, tuple(files))]
     cameras = _grouped(files)
     for sub in entries:
-        if sub.is_dir() and not sub.name.startswith("."):
+        if sub.is_dir() and not sub.name.startswith(".") and not _is_ideal(sub):
             inside = (p for p in sub.iterdir() if _is_video(p) and _real(p) not in leave_out)
             inside = sorted(inside, key=_in_order)
             if inside:
@@ -170,6 +171,11 @@ def _natural(text: str) -> list[tuple[int, int, str]]:
 
 def _real(path: Path) -> Path:
     return Path(os.path.realpath(path))  # takes a link to itself, too
+
+
+def _is_ideal(folder: Path) -> bool:
+    """Whether a folder holds the ideal programme that `simulate` films beside the cameras (simulation/ideal.py)."""
+    return all((folder / name).is_file() for name in ("ideal.mp4", "field.png"))
 
 
 def _is_video(path: Path) -> bool:

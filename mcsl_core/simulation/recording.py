@@ -10,6 +10,7 @@ from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from pathlib import Path
 
+import attrs
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,19 +24,37 @@ from mcsl_core.temporary import temporary_beside
 
 from .clocks import Clock, clocks, frame_counts
 from .ground import Ground
+from .ideal import FIELD, FILM, FOLDER, film_ideal
 from .recorder import Recorder
 from .render import CameraPictures
+from .rig import PinholeCamera
 from .scenario import Scenario
 from .scene import Scene
 from .schedule import movement_frames
 from .sound import RATE, Microphone, Room
-from .truth import ARRAYS, PoseTruth, Truth, fit_homography, own_frame, rms_distance, save_truth, transfer
+from .truth import (
+    ARRAYS,
+    MovementTruth,
+    PoseTruth,
+    Truth,
+    fit_homography,
+    own_frame,
+    rms_distance,
+    save_truth,
+    transfer,
+)
 
 _FILM = re.compile(r"cam\d+(_\d+)?\.\w+")  # of this many cameras or of more
 
 
 def simulate(
-    scenario: Scenario, out: Path, progress: Progress, recorder: Recorder | None = None, *, force: bool = False
+    scenario: Scenario,
+    out: Path,
+    progress: Progress,
+    recorder: Recorder | None = None,
+    *,
+    force: bool = False,
+    ideal: bool = False,
 ) -> Truth:
     """Simulates a recording and the truth about it.
 
@@ -52,6 +71,11 @@ def simulate(
         How the files are written; the kindest way without. The truth is the same.
     force
         Replace files of those names that were not simulated, or changed since.
+    ideal
+        Film the ideal programme as well, into the folder "ideal" in ``out``: ideal.mp4, what a camera would show that
+        hung still where the reference camera stands in the first pose, with hands and instruments, without heads, arms
+        and noise; field.png, where the field lies in it. No analysis takes it for a camera. And the truth has
+        ``in_movements``.
 
     Returns
     -------
@@ -77,20 +101,27 @@ def simulate(
     with _told(out):
         out.mkdir(parents=True, exist_ok=True)
     with locks.alone(out / "truth.json", "simulation"):
-        _check(scenario, out, force)
-        part = temporary_beside(out / "truth.json")
-        try:
-            with _told(out):
-                part.mkdir()
-            truth = _filmed(scenario, part, recorder, progress)
+        _check(scenario, out, force, ideal)
+        with _part_of(out) as part:
+            truth = _filmed(scenario, part, recorder, progress, ideal)
             with _told(out):
                 _put(part, out)
-        except McslError as error:  # names the files as they would have been called
-            error.where = error.where.replace(str(part), str(out))
-            raise
-        finally:
-            shutil.rmtree(part, ignore_errors=True)
     return truth
+
+
+@contextmanager
+def _part_of(out: Path) -> Iterator[Path]:
+    """A hidden folder in ``out`` for files that are not whole yet, gone afterwards."""
+    part = temporary_beside(out / "truth.json")
+    try:
+        with _told(out):
+            part.mkdir()
+        yield part
+    except McslError as error:  # names the files as they would have been called
+        error.where = error.where.replace(str(part), str(out))
+        raise
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
 
 
 @contextmanager
@@ -102,14 +133,16 @@ def _told(out: Path) -> Iterator[None]:
         raise InputError(f"cannot be written to ({error.strerror})", where=str(out), remedy=remedy) from error
 
 
-def _check(scenario: Scenario, out: Path, force: bool) -> None:
+def _check(scenario: Scenario, out: Path, force: bool, ideal: bool) -> None:
     """InputError where one of the files to be written into ``out`` is there and was not simulated."""
     films = [path for name in scenario.camera_names for path in (*out.glob(f"{name}.*"), *out.glob(f"{name}_*"))]
     for path in (*films, out / "truth.json", out / ARRAYS):
         claim(path, manifest=Manifest.inside(out), force=force)
+    for name in (FILM, FIELD) if ideal else ():
+        claim(out / FOLDER / name, manifest=Manifest.inside(out / FOLDER), force=force)
 
 
-def _filmed(scenario: Scenario, out: Path, recorder: Recorder, progress: Progress) -> Truth:
+def _filmed(scenario: Scenario, out: Path, recorder: Recorder, progress: Progress, ideal: bool) -> Truth:
     """All files of a recording, into an empty folder."""
     progress.stage("scene")
     scene = Scene.of(scenario)
@@ -119,6 +152,10 @@ def _filmed(scenario: Scenario, out: Path, recorder: Recorder, progress: Progres
     progress.stage("film", sum(counts), "frames")
     visible = Filming(scene, ground, room, recorder, out).run(progress)
     truth = _truth(scene, recorder, times, counts, visible)
+    if ideal:
+        truth = attrs.evolve(truth, in_movements=_in_movements(scene, truth))
+        (out / FOLDER).mkdir()
+        film_ideal(scene, ground, truth, out / FOLDER, progress)
     save_truth(truth, out / "truth.json", out / ARRAYS)
     return truth
 
@@ -128,16 +165,35 @@ def _put(part: Path, out: Path) -> None:
 
     The truth goes first and comes last: where it is, all else is.
     """
-    manifest = Manifest.inside(out)
     (out / "truth.json").unlink(missing_ok=True)
-    earlier = [out / name for name in manifest.names() if _FILM.fullmatch(name) and manifest.knows(out / name)]
-    new = sorted(part.iterdir(), key=lambda file: file.name == "truth.json")
-    for file in new:
-        manifest.expect(out / file.name, file)
-        file.replace(out / file.name)
-    for path in set(earlier) - {out / file.name for file in new}:
+    new = sorted(path.relative_to(part) for path in part.rglob("*") if path.is_file())
+    new.sort(key=lambda name: name.name == "truth.json")
+    earlier = [path for path in (*out.glob("cam*"), *(out / FOLDER).glob("*")) if _is_earlier(path)]
+    for name in new:
+        target, manifest = out / name, Manifest.inside((out / name).parent)
+        target.parent.mkdir(exist_ok=True)
+        manifest.expect(target, part / name)
+        (part / name).replace(target)
+    for path in set(earlier) - {out / name for name in new}:
         path.unlink()
-    manifest.record(*(out / file.name for file in new))
+    for folder in (out / FOLDER, out):
+        if folder.is_dir():
+            Manifest.inside(folder).record(*(out / name for name in new if (out / name).parent == folder))
+    _leave(out / FOLDER)
+
+
+def _is_earlier(path: Path) -> bool:
+    """Whether a file is an earlier simulation's, and as that left it."""
+    known = path.name in (FILM, FIELD) if path.parent.name == FOLDER else _FILM.fullmatch(path.name)
+    return bool(known) and Manifest.inside(path.parent).knows(path)
+
+
+def _leave(folder: Path) -> None:
+    """Takes away the folder of an ideal programme that is gone, if nothing but its list is left in it."""
+    listed = Manifest.inside(folder)
+    if listed.exists and [path.name for path in folder.iterdir()] == [listed.path.name]:
+        listed.path.unlink()
+        folder.rmdir()
 
 
 class Filming:
@@ -254,4 +310,29 @@ def _truth(
         visible_field=shown[0],
         visible_field_without_hands=shown[1],
         best_plane_error_px=tuple(errors),
+    )
+
+
+def _in_movements(scene: Scene, truth: Truth) -> tuple[MovementTruth, ...]:
+    """Every third frame of each movement."""
+    return tuple(_movement(scene, truth, np.arange(start, stop, 3)) for start, stop in truth.movements)
+
+
+def _movement(scene: Scene, truth: Truth, frames: NDArray) -> MovementTruth:
+    rate = float(truth.rate)
+
+    def shown(camera: int, frame: int) -> PinholeCamera:
+        clock = truth.clocks[camera]
+        own = own_frame(clock, truth.rate, frame)
+        return scene.rig.camera(camera, scene.path.pose(clock.programme(own / rate))[0])
+
+    cameras = range(len(truth.cameras))
+    pinholes = [[shown(camera, int(frame)) for camera in cameras] for frame in frames]
+    return MovementTruth(
+        frames=frames,
+        K=np.stack([[p.K for p in row] for row in pinholes]),
+        R=np.stack([[p.R for p in row] for row in pinholes]),
+        t=np.stack([[p.t for p in row] for row in pinholes]),
+        field_points_px=np.stack([[p.project(truth.field_points_mm) for p in row] for row in pinholes]),
+        k1=np.array([p.k1 for p in pinholes[0]]),
     )

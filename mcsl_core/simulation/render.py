@@ -56,15 +56,27 @@ def vignette(size: tuple[int, int], corner: float, shift: tuple[float, float] = 
 
 
 class CameraPictures:
-    """Renders the frames of one camera. Rising order is quick; any order is right."""
+    """Renders the frames of one camera. Rising order is quick; any order is right.
 
-    def __init__(self, scene: Scene, ground: Ground, camera: int, clock: Clock) -> None:
+    Parameters
+    ----------
+    scene, ground
+        What is filmed.
+    camera
+        Its index.
+    clock
+        The camera's.
+    optics
+        Its lens and electronics; as the scene's lamp moves without.
+    """
+
+    def __init__(self, scene: Scene, ground: Ground, camera: int, clock: Clock, optics: Optics | None = None) -> None:
         self._scene, self._clock = scene, clock
         scenario = scene.scenario
         self._size = width, height = scenario.size
         rng, gains, corner = sensor(scenario, camera)
         self._gains, self._k1 = gains, float(scene.rig.k1[camera])
-        self._optics = Optics(scenario, scene.path, camera)
+        self._optics = optics or Optics(scenario, scene.path, camera)
         self._backdrop = Backdrop(scene, ground, camera, gains)
         self._sprites: dict[int, tuple[NDArray, NDArray, NDArray, NDArray]] = {}
         # Arms and heads are near the camera and out of focus: they are put together small and enlarged once.

@@ -62,6 +62,40 @@ class PoseTruth:
 
 
 @attrs.frozen(eq=False, kw_only=True)
+class MovementTruth:
+    """A movement of the lamp: where its cameras stand in every third frame, and where they see the field's points.
+
+    Of each camera its picture that is shown at that programme frame counts, taken a little earlier by its own clock.
+
+    Attributes
+    ----------
+    frames
+        (n,) programme frames, from the movement's first on.
+    K
+        (n, cameras, 3, 3), pixels.
+    R
+        (n, cameras, 3, 3), world to camera.
+    t
+        (n, cameras, 3), mm.
+    field_points_px
+        (n, cameras, N, 2): the truth's ``field_points_mm`` in each camera.
+    k1
+        (cameras,), radial distortion; see `PinholeCamera`.
+    """
+
+    frames: NDArray
+    K: NDArray
+    R: NDArray
+    t: NDArray
+    field_points_px: NDArray
+    k1: NDArray
+
+    def pinhole(self, n: int, camera: int) -> PinholeCamera:
+        """The camera of that index at ``frames[n]``."""
+        return PinholeCamera(self.K[n, camera], self.R[n, camera], self.t[n, camera], float(self.k1[camera]))
+
+
+@attrs.frozen(eq=False, kw_only=True)
 class Truth:
     """All that is known about a simulated recording.
 
@@ -94,6 +128,8 @@ class Truth:
         The same, with those hands left out: what heads, shoulders and reaching arms alone leave visible.
     best_plane_error_px
         Per pose, camera -> `best_plane_error`.
+    in_movements
+        By movement, where the recording was simulated with its ideal programme; else empty.
     """
 
     scenario: Scenario
@@ -111,6 +147,7 @@ class Truth:
     visible_field: NDArray
     visible_field_without_hands: NDArray
     best_plane_error_px: tuple[dict[str, float], ...]
+    in_movements: tuple[MovementTruth, ...] = ()
 
     def camera_index(self, camera: int | str) -> int:
         """The index of a camera named by its index or its name."""
@@ -198,6 +235,8 @@ def save_truth(truth: Truth, document_file: Path, arrays_file: Path) -> None:
     }
     for n, pose in enumerate(truth.poses):
         arrays[f"pose{n}_field_points_px"] = pose.field_points_px
+    for n, movement in enumerate(truth.in_movements):
+        arrays |= {f"movement{n}_{name}": value for name, value in attrs.asdict(movement, recurse=False).items()}
     np.savez_compressed(arrays_file, **arrays)  # type: ignore[arg-type]
     scenario = attrs.asdict(truth.scenario, recurse=False)
     scenario["rate"] = str(truth.scenario.rate)
@@ -284,4 +323,13 @@ def _structure(document: dict, arrays: dict[str, NDArray]) -> Truth:
         visible_field=arrays["visible_field"],
         visible_field_without_hands=arrays["visible_field_without_hands"],
         best_plane_error_px=tuple(pose["best_plane_error_px"] for pose in document["poses"]),
+        in_movements=_movements(arrays, len(document["movements"])),
     )
+
+
+def _movements(arrays: dict[str, NDArray], count: int) -> tuple[MovementTruth, ...]:
+    """What the arrays hold of the movements: all of them or, as before there were any, none."""
+    if "movement0_frames" not in arrays:
+        return ()
+    names = [field.name for field in attrs.fields(MovementTruth)]
+    return tuple(MovementTruth(**{name: arrays[f"movement{n}_{name}"] for name in names}) for n in range(count))

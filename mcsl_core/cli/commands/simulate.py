@@ -47,12 +47,14 @@ def _is_given(option: str) -> bool:
 @click.option("--vfr", is_flag=True, help="Variable frame rate: a quarter of the pictures is missing.")
 @click.option("--split", "split_s", type=float, metavar="S", help="A new file every so many seconds.")
 @click.option("--continuing-clock", is_flag=True, help="With --split: the parts' timestamps go on.")
+@click.option("--ideal", is_flag=True, help="Film the ideal programme, too: from one place, with nobody in the way.")
 @FORCE
 @click.pass_obj
-def simulate(session: Session, out: Path, size: str, rate: str, force: bool, **chosen: Any) -> None:
+def simulate(session: Session, out: Path, size: str, rate: str, force: bool, ideal: bool, **chosen: Any) -> None:
     """Make a recording with known truth.
 
-    Camera files and truth.json go into the folder OUT.
+    Camera files and truth.json go into the folder OUT, the ideal programme into OUT/ideal, which no analysis takes
+    for a camera.
     """
     from mcsl_core.simulation import Recorder, Scenario
     from mcsl_core.simulation import simulate as run
@@ -72,7 +74,7 @@ def simulate(session: Session, out: Path, size: str, rate: str, force: bool, **c
     except ValueError as error:
         raise UsageError(str(error), remedy="See: mcsl simulate --help") from error
     with session.progress() as progress:
-        truth = run(scenario, out, progress, recorder, force=force)
+        truth = run(scenario, out, progress, recorder, force=force, ideal=ideal)
     moved = len(truth.movements)
     session.result(
         {"folder": str(out), "frames": truth.frames, "movements": moved},
