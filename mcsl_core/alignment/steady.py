@@ -13,6 +13,7 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
+from mcsl_core.imaging.exposure import common_gains, levelled, small
 from mcsl_core.imaging.masks import Mask
 
 from .aligned_views import Picture
@@ -61,21 +62,23 @@ def steady_view(pictures: Sequence[Picture | None]) -> SteadyView | None:
     Notes
     -----
     The commonest grey and not the median: a head may hide a place from a camera more than half of the time. Exposure is
-    levelled by one gain a sample.
+    levelled by one gain a channel and sample.
     """
     shown = [picture for picture in pictures if picture is not None]
     if not shown:
         return None
     if len(shown) < _LEAST:
         return SteadyView(shown[-1], np.ones(shown[-1].shape[:2], bool))
-    levelled = [_levelled(picture, gain) for picture, gain in zip(shown, _gains(shown), strict=True)]
-    greys = [_grey(picture) for picture in levelled]
+    few = [small(picture) for picture in shown]
+    gains = common_gains(few, np.ones(few[0].shape[:2], bool))
+    level = [levelled(picture, gain) for picture, gain in zip(shown, gains, strict=True)]
+    greys = [_grey(picture) for picture in level]
     commonest = _commonest(greys)
     off = np.stack([cv2.absdiff(grey, commonest) for grey in greys])
     alike = off <= _SAME
     same = alike.sum(axis=0)
     total = np.zeros(shown[0].shape, np.float32)
-    for one, like in zip(levelled, alike, strict=True):
+    for one, like in zip(level, alike, strict=True):
         total += one * like[..., None]
     slope = cv2.magnitude(*(cv2.Sobel(commonest, cv2.CV_32F, *way, scale=0.125) for way in ((1, 0), (0, 1))))
     close = (off <= _STEADY + _SLOPE * cv2.blur(slope, (5, 5))).sum(axis=0)
@@ -95,21 +98,8 @@ def _commonest(greys: Sequence[NDArray[np.uint8]]) -> NDArray[np.uint8]:
     return np.take_along_axis(np.stack(greys), votes.argmax(axis=0)[None], axis=0)[0]
 
 
-def _gains(pictures: Sequence[Picture]) -> NDArray[np.float64]:
-    """What brings each picture to the exposure of their median, by every eighth pixel."""
-    few = np.stack([_grey(picture)[::8, ::8] for picture in pictures]).astype(np.float64) + 1
-    gains = np.ones(len(few))
-    for _ in range(2):  # what they are levelled to is the median of pictures that are level
-        gains = 1 / np.median(few / np.median(few * gains[:, None, None], axis=0), axis=(1, 2))
-    return gains
-
-
 def _mean(values: NDArray, box: int) -> NDArray[np.float32]:
     return cv2.blur(values.astype(np.float32), (box, box))  # pyright: ignore[reportReturnType]
-
-
-def _levelled(picture: Picture, gain: float) -> Picture:
-    return cv2.convertScaleAbs(picture, alpha=gain)  # pyright: ignore[reportReturnType]
 
 
 def _grey(picture: Picture) -> NDArray[np.uint8]:

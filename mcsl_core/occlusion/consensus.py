@@ -15,12 +15,12 @@ from attrs import field, frozen
 from numpy.typing import NDArray
 
 from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView, Picture
+from mcsl_core.imaging.exposure import Exposure, changed, levelled, small
 from mcsl_core.imaging.masks import Mask
-
-from .exposure import Exposure, levelled, small
 
 Lab = NDArray[np.uint8]
 Float = NDArray[np.float32]
+_UNCHANGED = 0.02  # gains nearer to 1 are left: what they would mend is below `tolerance`
 APPEARANCES = 3  # of a pixel in one view that are told apart: the field, and what hides it for long
 
 
@@ -86,7 +86,7 @@ class Consensus:
         exposure, appearances = {}, {}
         for name, own in seen.items():
             level = exposure[name] = Exposure.of([whole for whole, _ in own], inside[name])
-            pictures = [_lab(levelled(part, level.gain(whole))) for whole, part in own]
+            pictures = [_lab(levelled(part, changed(level.gain(whole), _UNCHANGED))) for whole, part in own]
             appearances[name] = self._appearances(np.stack(pictures))
         inside = {name: cut.mask(mask) for name, mask in inside.items()}
         return ConsensusScorer(aligned.field, cut, self._agreed(appearances, inside), exposure, self.different)
@@ -247,7 +247,7 @@ class ConsensusScorer:
         inside = self.cut.mask(view.inside)
         if view.camera not in self.background:
             return inside
-        gain = self.exposure[view.camera].gain(small(view.aligned))
+        gain = changed(self.exposure[view.camera].gain(small(view.aligned)), _UNCHANGED)
         now = _lab(levelled(self.cut.picture(view.aligned), gain))
         behind = self.background[view.camera]
         # A pixel of play either way: breathing, and what warping leaves of the pixel grid.

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from mcsl_core.alignment.aligned_views import AlignedPose
+from mcsl_core.imaging.exposure import Exposure, changed, levelled, small
 from mcsl_core.occlusion.consensus import Consensus
-from mcsl_core.occlusion.exposure import Exposure, levelled, small
 
 SIZE = (240, 136)
 FIELD = (slice(40, 96), slice(80, 160))
@@ -45,19 +45,20 @@ def test_a_gain_is_found_and_taken_back(gain) -> None:
     picture = seen(scene(), gain)
     found = exposure().gain(small(picture))
     np.testing.assert_allclose(found, 1 / np.broadcast_to(gain, 3), rtol=0.03)
+    assert found is not None
     off = np.abs(levelled(picture, found).astype(int) - seen(scene()).astype(int))
     assert np.median(off) <= 4
 
 
 def test_a_picture_as_usual_is_left_as_it_is() -> None:
     picture = seen(scene())
-    assert levelled(picture, exposure().gain(small(picture))) is picture
+    assert levelled(picture, changed(exposure().gain(small(picture)), 0.02)) is picture
 
 
 def test_a_head_before_most_of_the_picture_is_no_exposure() -> None:
     picture = seen(scene())
     cv2.circle(picture, (120, 68), 110, (150, 110, 60), -1)
-    assert (exposure().gain(small(picture)) == 1).all()
+    assert exposure().gain(small(picture)) is None
 
 
 def test_clear_cameras_read_clear_while_their_exposure_settles() -> None:
