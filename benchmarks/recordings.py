@@ -2,7 +2,8 @@
 
     python -m benchmarks.recordings FOLDER        makes those that are missing (half an hour on two cores)
 
-Tuning used seeds 1 to 399; scenes unlike the plain one have seeds of their own in families.py. Whoever tunes on one of
+Tuning used seeds 1 to 399; scenes unlike the plain one have seeds of their own in families.py, and what is held against
+the ideal programme has in ideal.py. Whoever tunes on one of
 these replaces it by a new one.
 """
 

@@ -1,0 +1,257 @@
+"""How far programmes are from the ideal one, on simulated recordings whose truth is known.
+
+    python -m benchmarks.ideal FOLDER [--tuning] [--again] [NAME ...]    makes what is missing, writes results/ideal.md
+
+NAME is a seed of the plain scene, such as 701, or a family with its seed, such as suturing:601 (see families.py).
+FOLDER keeps recordings, analyses and figures: what is there is used; --again measures and analyses anew. The page has
+the rows that FOLDER has figures of; seeds to tune on are kept out of it, and with --tuning the others.
+
+The ideal programme is what a camera would show that hung still where the reference camera stands in the first pose
+(`mcsl simulate --ideal`). Every variant is made by the compositor, without centering, with colours matched; the floor
+by the truth's own geometry.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import attrs
+import cv2
+import numpy as np
+from attrs import frozen
+from numpy.typing import NDArray
+
+from benchmarks.accuracy import by_hand, by_truth
+from benchmarks.families import KINDS
+from benchmarks.ideal_distance import Distance, distance, means, occasions
+from benchmarks.ideal_geometry import (
+    TrueGeometry,
+    best_planes,
+    decisions,
+    displacements,
+    jumps,
+    switches,
+)
+from benchmarks.ideal_hands import Hands, Mask
+from benchmarks.ideal_page import markdown
+from mcsl_core import edl
+from mcsl_core.analysis.pipeline import analyse
+from mcsl_core.analysis.settings import AnalysisSettings
+from mcsl_core.compositing.compositor import Compositor
+from mcsl_core.evaluation.evaluate import without_alignment
+from mcsl_core.evaluation.manual_alignment import aligned_by_hand
+from mcsl_core.hooks.registry import discover
+from mcsl_core.imaging.planes import Planes
+from mcsl_core.media.frames import to_planes
+from mcsl_core.media.probing import probe
+from mcsl_core.media.reading import VideoReader
+from mcsl_core.progress import Silent
+from mcsl_core.recording.footage import Footage
+from mcsl_core.simulation import Scenario, Truth, load_truth, simulate
+from mcsl_core.simulation.ideal import FIELD, FILM, FOLDER
+from mcsl_core.simulation.scenario import DRAPES, GLOVES, SKINS
+from mcsl_core.timing import FrameRange
+
+RESULTS = Path(__file__).parent / "results"
+TUNING, FINAL = tuple(range(501, 507)), tuple(range(701, 711))
+AIDS = ("surface", "see_through")
+"""Looks that lay pictures otherwise than planes do, each a variant with those before it, where the programme has it."""
+
+
+def scenario(name: str) -> Scenario:
+    """The scene of that name."""
+    kind, _, few = name.rpartition(":")
+    seed = int(few)
+    if kind:
+        return KINDS[kind].scenario(seed)
+    n = seed % 100
+    return Scenario(
+        seed=seed, duration_s=24, size=(640, 360), rate=10, movements=1 + n % 3, heads=3 + n % 2,
+        relief_mm=(10, 20, 30, 40, 50, 60)[n % 6], drape=DRAPES[n % len(DRAPES)], skin=SKINS[n % len(SKINS)],
+        gloves=GLOVES[(n + 2) % len(GLOVES)],
+    )  # fmt: skip
+
+
+@frozen
+class Variant:
+    """A programme that is held against the ideal one.
+
+    Attributes
+    ----------
+    name
+        In figures and tables.
+    edl, look
+        What the compositor makes it of.
+    surface
+        Whether the reliefs lay its pictures.
+    """
+
+    name: str
+    edl: edl.Edl
+    look: edl.Look
+    surface: bool = False
+
+
+def variants(made: edl.Edl, truth: Truth) -> list[Variant]:
+    """Those that this programme has."""
+    here = [name for name in AIDS if name in attrs.fields_dict(edl.Look)]
+    plane = edl.Look(centering=False, colour=True, **dict.fromkeys(here, False))
+    found = [
+        Variant("no", without_alignment(made), attrs.evolve(plane, fill=False)),
+        Variant("manual", aligned_by_hand(made, by_hand(made, truth, truth.scenario.seed)), plane),
+        Variant("best plane", aligned_by_hand(made, by_truth(made, truth)), plane),
+        Variant("plane", made, plane),
+    ]
+    if any(getattr(pose, "relief", None) for pose in made.poses):
+        for n, name in enumerate(here):
+            found.append(Variant(name, made, attrs.evolve(plane, **dict.fromkeys(here[: n + 1], True)), surface=True))
+    return found
+
+
+# ------------------------------------------------------------------------------------------------------- a recording
+
+
+def measure(folder: Path, name: str, *, again: bool = False) -> dict[str, Any]:
+    """Everything about one recording; kept as JSON beside it."""
+    word = name.replace(":", "-")
+    source, out, kept = folder / word, folder / f"{word}.edl" / "edl.json", folder / f"{word}.ideal.json"
+    if kept.exists() and not again:
+        return json.loads(kept.read_text("utf-8"))
+    if not (source / FOLDER / FILM).exists():
+        simulate(scenario(name), source, Silent(), ideal=True)
+    truth = load_truth(source)
+    if again or not out.exists():
+        analyse([source], out, settings=AnalysisSettings(), plugins=discover(), progress=Silent())
+    made = edl.load(out)
+    figures = {"name": name, "scene": scene_of(truth), **of_geometry(made, truth)}
+    figures["distance"] = of_pictures(made, truth, source, out.parent)
+    kept.write_text(json.dumps(figures, indent=1) + "\n", "utf-8")
+    return figures
+
+
+def scene_of(truth: Truth) -> str:
+    """What a recording shows, in words."""
+    s = truth.scenario
+    words = [*s.families, f"{s.relief_mm:.0f} mm", f"{s.drape} drape", f"{s.skin} skin"]
+    return ", ".join([*words, f"{len(truth.movements)} movements"])
+
+
+def of_geometry(made: edl.Edl, truth: Truth) -> dict[str, Any]:
+    """Displacements of the field's points by view, and their jumps at switches."""
+    own = {v.name: v for v in variants(made, truth)}
+    ways = {name: displacements(v.edl, truth, surface=v.surface) for name, v in own.items() if name in ("plane", *AIDS)}
+    ways["best plane"] = best_planes(made, truth)
+    views = [
+        {"pose": pose, "camera": camera, **{name: _spread(way[pose, camera]) for name, way in ways.items()}}
+        for pose, camera in ways["plane"]
+    ]
+    pooled = {name: _spread(np.concatenate(list(way.values()))) for name, way in ways.items() if way}
+    cuts = switches(made, truth)
+    leaps = {
+        name: [jump for cut in cuts if (jump := jumps(v.edl, truth, cut, surface=v.surface)) is not None]
+        for name, v in own.items()
+    }
+    weak = sum(len(pose.weak) for pose in made.poses)
+    perspectives = len({pose.perspective for pose in made.poses})
+    return {"views": views, "pooled": pooled, "jumps": leaps, "weak": weak, "perspectives": perspectives}
+
+
+def _spread(values: NDArray[np.float64]) -> list[float]:
+    """Median, rms and 95th percentile."""
+    found = np.median(values), np.sqrt((values**2).mean()), np.percentile(values, 95)
+    return [round(float(v), 3) for v in found]
+
+
+def of_pictures(made: edl.Edl, truth: Truth, source: Path, base: Path) -> dict[str, Any]:
+    """By place, variant and occasion: means of PSNR and structure; and how many frames there are."""
+    frames = min(made.frames, truth.frames)
+    ideal = [planes.y for planes in pictures(source / FOLDER / FILM)]
+    shown = [decision.camera for decision in decisions(made)][:frames]
+    footage = Footage(made.cameras, rate=made.rate, frames=made.frames, base=base)
+    geometry = TrueGeometry(made, truth)
+    field = field_of(source)
+    places = {"field": [field] * frames, "bare": list(without_hands(field, truth, geometry, shown))}
+    found: dict[str, dict[str, list[Distance | None]]] = {place: {} for place in places}
+
+    def note(name: str, frame: int, luma: NDArray[np.uint8]) -> None:
+        for place, masks in places.items():
+            found[place].setdefault(name, []).append(distance(luma, ideal[frame], masks[frame]))
+
+    for variant in variants(made, truth):
+        with Compositor(variant.edl, footage, look=variant.look) as compositor:
+            for frame, planes in enumerate(compositor.frames(FrameRange(0, frames))):
+                note(variant.name, frame, planes.y)
+                if variant.name == "plane":
+                    note("floor", frame, _floor(compositor, geometry, shown[frame], frame, planes))
+    which = occasions(truth, shown, switches(made, truth))
+    return {
+        place: {name: {o: means(row, chosen) for o, chosen in which.items()} for name, row in rows.items()}
+        for place, rows in found.items()
+    } | {"frames": {occasion: int(chosen.sum()) for occasion, chosen in which.items()}}
+
+
+def field_of(source: Path) -> Mask:
+    """The field in the ideal programme."""
+    mask = cv2.imdecode(np.frombuffer((source / FOLDER / FIELD).read_bytes(), np.uint8), cv2.IMREAD_GRAYSCALE)
+    assert mask is not None
+    return np.asarray(mask) > 0
+
+
+def without_hands(field: Mask, truth: Truth, geometry: TrueGeometry, shown: Sequence[str]) -> Iterator[Mask]:
+    """By frame, the field without hands: where neither the ideal programme nor the chosen camera has them."""
+    hands = Hands(truth)
+    for frame, (camera, there) in enumerate(zip(shown, hands.in_ideal(), strict=False)):
+        here = hands.in_camera(truth.camera_index(camera), frame)
+        yield field & ~there & ~(np.zeros_like(there) if here is None else geometry.mask(here, camera, frame))
+
+
+def _floor(
+    compositor: Compositor, geometry: TrueGeometry, camera: str, frame: int, filled: Planes
+) -> NDArray[np.uint8]:
+    """Luma by the true geometry; where the chosen camera does not see, as the planes' programme fills it."""
+    own = compositor.picture(camera, frame)
+    laid = None if own is None else geometry.picture(own, camera, frame, colour=True)
+    return filled.y if laid is None else np.where(laid[1], laid[0].y, filled.y)
+
+
+def pictures(file: Path) -> list[Planes]:
+    """All of a film's pictures."""
+    facts = probe(file)
+    reader = VideoReader(facts)
+    try:
+        return [to_planes(frame, facts) for _, frame in reader.read(Fraction(0))]
+    finally:
+        reader.close()
+
+
+# --------------------------------------------------------------------------------------------------------- the run
+
+
+def main(arguments: Sequence[str]) -> None:
+    folder = Path(arguments[0])
+    folder.mkdir(parents=True, exist_ok=True)
+    flags = {a for a in arguments[1:] if a.startswith("--")}
+    tuning = "--tuning" in flags
+    names = [a for a in arguments[1:] if a not in flags] or [str(s) for s in (TUNING if tuning else FINAL)]
+    cv2.setNumThreads(1)
+    for name in names:
+        print(json.dumps(measure(folder, name, again="--again" in flags)["distance"]), flush=True)
+    found = [json.loads(file.read_text("utf-8")) for file in sorted(folder.glob("*.ideal.json"))]
+    page = markdown([f for f in found if is_tuning(f) == tuning])
+    if not tuning:
+        (RESULTS / "ideal.md").write_text(page, "utf-8")
+    print(page)
+
+
+def is_tuning(figures: Mapping[str, Any]) -> bool:
+    """Whether a recording's seed is one to tune on."""
+    return int(figures["name"].rpartition(":")[2]) < 600
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

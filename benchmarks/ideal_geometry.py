@@ -1,0 +1,246 @@
+"""Where the field's true points come to lie in a programme, and the programme that the truth's own geometry would make.
+
+Shares no geometry with what it judges but the map from programme pixel to camera pixel that the compositor uses; what
+leads back is worked out here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+from itertools import pairwise
+
+import cv2
+import numpy as np
+from attrs import frozen
+from numpy.typing import NDArray
+
+from mcsl_core import edl
+from mcsl_core.alignment.colour_match import apply_colour
+from mcsl_core.compositing.placement import programme_matrix
+from mcsl_core.edl.placement import first_of_perspective, placement_matrix
+from mcsl_core.edl.resolve import Decision, resolve
+from mcsl_core.imaging.planes import Planes
+from mcsl_core.imaging.warp import RemapTables, remap_planes
+from mcsl_core.simulation import PoseTruth, Scenario, Truth
+from mcsl_core.simulation.rig import PinholeCamera, Rig
+from mcsl_core.simulation.schedule import LampPath, lamp_path
+from mcsl_core.simulation.surface import Surface
+from mcsl_core.simulation.truth import fit_homography, transfer
+
+RAISED_MM = 40.0  # where hands and instruments are, above the field
+JUMP_WIDTH, SHIFT_WIDTH = 640, 960  # of the pictures whose pixels are counted
+Points = NDArray[np.float64]
+Map = Callable[[Points], Points]
+
+
+# ---------------------------------------------------------------------------------------------------------- the maps
+
+
+def to_programme(programme: edl.Edl, pose_index: int, camera: str, *, surface: bool) -> Map:
+    """From camera pixels, (N, 2), to programme pixels before centering, as the programme lays that camera's picture.
+
+    Parameters
+    ----------
+    programme, pose_index, camera
+        Of what.
+    surface
+        By the pose's relief, where it has one; else by the plane.
+    """
+    pose = programme.poses[pose_index]
+    matrix = programme_matrix(programme, pose, camera)
+    back = surface_map(programme, pose_index, camera) if surface else None
+    if back is None:
+        return lambda px: transfer(matrix, px)
+    return lambda px: inverse(back, px, transfer(matrix, px))
+
+
+def surface_map(programme: edl.Edl, pose_index: int, camera: str) -> Map | None:
+    """From programme pixels before centering to the camera's pixels by the relief; None where there is none."""
+    del programme, pose_index, camera
+    return None
+
+
+def inverse(there: Map, px: Points, start: Points) -> Points:
+    """The points that ``there`` leads to ``px``, by Newton's method from ``start``; its slopes over half a pixel."""
+    at = np.array(start, np.float64)
+    step = 0.5
+    for _ in range(12):
+        off = there(at) - px
+        along = [(there(at + d) - there(at - d)) / (2 * step) for d in (np.array([step, 0]), np.array([0, step]))]
+        slopes = np.stack(along, -1)
+        flat = np.abs(np.linalg.det(slopes)) < 1e-3  # a fold: nothing leads there
+        slopes[flat] = np.eye(2)
+        at -= np.clip(np.linalg.solve(slopes, off[..., None])[..., 0], -8, 8)
+    return at
+
+
+# ------------------------------------------------------------------------------------------------- the field's points
+
+
+def true_pose(truth: Truth, pose: edl.Pose) -> PoseTruth:
+    """The true pose that lies at the middle of a solved one."""
+    middle = (pose.range.start + pose.range.stop) // 2
+    return min(truth.poses, key=lambda p: max(p.range[0] - middle, middle - p.range[1]))
+
+
+def displacements(programme: edl.Edl, truth: Truth, *, surface: bool) -> dict[tuple[int, str], NDArray[np.float64]]:
+    """By (pose, camera): how far from their place each of the field's points lies, pixels at `SHIFT_WIDTH`.
+
+    Their place is where the reference camera showed them when the perspective began. Left out: that camera in that
+    pose, which is the identity, and cameras that the pose has no place for.
+    """
+    found = {}
+    for index, camera, seen, home in _views(programme, truth):
+        at = to_programme(programme, index, camera, surface=surface)(seen)
+        found[index, camera] = _length(at - home, SHIFT_WIDTH / programme.size[0])
+    return found
+
+
+def best_planes(programme: edl.Edl, truth: Truth) -> dict[tuple[int, str], NDArray[np.float64]]:
+    """As `displacements`, of the single planes that fit the truth best."""
+    scale = SHIFT_WIDTH / programme.size[0]
+    return {
+        (index, camera): _length(transfer(fit_homography(seen, home), seen) - home, scale)
+        for index, camera, seen, home in _views(programme, truth)
+    }
+
+
+def _views(programme: edl.Edl, truth: Truth) -> Iterator[tuple[int, str, Points, Points]]:
+    """(pose, camera, the field's points in its picture, their place in the programme)."""
+    reference = truth.camera_index(truth.reference)
+    for index, pose in enumerate(programme.poses):
+        first = first_of_perspective(programme, index)
+        home = true_pose(truth, programme.poses[first]).field_points_px[reference]
+        for number, camera in enumerate(truth.cameras):
+            itself = (index, camera) == (first, truth.reference)
+            if not itself and placement_matrix(programme, pose, camera) is not None:
+                yield index, camera, true_pose(truth, pose).field_points_px[number], home
+
+
+def _length(shift: Points, scale: float) -> NDArray[np.float64]:
+    return scale * np.hypot(*shift.T)
+
+
+# ------------------------------------------------------------------------------------------------------- at switches
+
+
+@frozen
+class Cut:
+    """A switch while the lamp stands: the first frame of the camera ``after``."""
+
+    frame: int
+    before: str
+    after: str
+
+
+def switches(programme: edl.Edl, truth: Truth) -> list[Cut]:
+    """Those between two frames in which the lamp truly stands."""
+    found = []
+    for (_, one), (piece, other) in pairwise(resolve(programme)):
+        moves = any(start <= f < stop for start, stop in truth.movements for f in (piece.start - 1, piece.start))
+        if one.camera != other.camera and not moves:
+            found.append(Cut(piece.start, one.camera, other.camera))
+    return found
+
+
+def jumps(programme: edl.Edl, truth: Truth, cut: Cut, *, surface: bool) -> tuple[float, float] | None:
+    """How far the field's points, and others above them, jump at a switch: medians, pixels at `JUMP_WIDTH`.
+
+    None where a camera has no picture then.
+    """
+    lamp, found = Lamp(truth), []
+    for lift in (0.0, RAISED_MM):
+        points, places, inside = truth.field_points_mm + np.array([0, 0, lift]), [], []
+        for frame, camera in ((cut.frame - 1, cut.before), (cut.frame, cut.after)):
+            pinhole = lamp.pinhole(truth.camera_index(camera), frame)
+            if pinhole is None:
+                return None
+            seen = pinhole.project(points)
+            inside.append(((seen >= 0) & (seen < programme.size)).all(1))
+            pose_index = programme.poses.index(programme.pose_at(frame))
+            places.append(to_programme(programme, pose_index, camera, surface=surface)(seen))
+        both = inside[0] & inside[1]
+        found.append(_length((places[1] - places[0])[both], JUMP_WIDTH / programme.size[0]))
+    return float(np.median(found[0])), float(np.median(found[1]))
+
+
+# ------------------------------------------------------------------------------------------------------- the floor
+
+
+class Lamp:
+    """The true cameras at every programme frame, while the lamp moves, too."""
+
+    def __init__(self, truth: Truth) -> None:
+        self._truth = truth
+        self._rig, self._path = _rig(truth.scenario)
+
+    def pinhole(self, camera: int, frame: int) -> PinholeCamera | None:
+        """The camera of that index when it took what it shows at ``frame``; None where it has no picture then."""
+        own = self._truth.own_frame(camera, frame)
+        if own is None:
+            return None
+        at = self._truth.clocks[camera].programme(own / float(self._truth.rate))
+        return self._rig.camera(camera, self._path.pose(at)[0])
+
+
+@lru_cache(maxsize=4)
+def _rig(scenario: Scenario) -> tuple[Rig, LampPath]:
+    return Rig.of(scenario), lamp_path(scenario)
+
+
+class TrueGeometry:
+    """Lays the cameras' pictures where the truth has the surface, by the same single resampling.
+
+    What is left between that and the ideal programme no alignment of what lies on the surface takes away: resampling,
+    what is seen otherwise from another side, and hands above the surface.
+    """
+
+    def __init__(self, programme: edl.Edl, truth: Truth) -> None:
+        self._edl, self._truth, self._lamp = programme, truth, Lamp(truth)
+        home = truth.poses[0].pinhole(truth.camera_index(truth.reference))
+        x, y = np.meshgrid(*(np.arange(n, dtype=np.float64) for n in programme.size))
+        gx, gy = (g.astype(np.float64) for g in _surface(truth.scenario).intersect(home, np.stack([x, y], -1)))
+        gz = _surface(truth.scenario).height_at(gx, gy)
+        self._points = np.stack([gx, gy, gz], -1).reshape(-1, 3)
+        self._kept: tuple[object, RemapTables, NDArray[np.bool_]] | None = None
+
+    def picture(self, planes: Planes, camera: str, frame: int, colour: bool) -> tuple[Planes, NDArray[np.bool_]] | None:
+        """The camera's own picture at ``frame`` as it belongs, and which pixels (H, W) lie inside it."""
+        index = self._truth.camera_index(camera)
+        pinhole = self._lamp.pinhole(index, frame)
+        if pinhole is None:
+            return None
+        tables, inside = self._tables((index, pinhole.t.tobytes(), pinhole.R.tobytes()), pinhole)
+        made = remap_planes(planes, tables)
+        match = self._edl.pose_at(frame).colour.get(camera) if colour else None
+        return (made if match is None else apply_colour(made, match)), inside
+
+    def mask(self, mask: NDArray[np.bool_], camera: str, frame: int) -> NDArray[np.bool_]:
+        """Where a mask of the camera's picture comes to lie, and what lies outside of that."""
+        index = self._truth.camera_index(camera)
+        pinhole = self._lamp.pinhole(index, frame)
+        assert pinhole is not None
+        tables, inside = self._tables((index, pinhole.t.tobytes(), pinhole.R.tobytes()), pinhole)
+        return (cv2.remap(mask.astype(np.uint8), tables.luma, None, cv2.INTER_NEAREST) > 0) | ~inside  # pyright: ignore
+
+    def _tables(self, key: object, pinhole: PinholeCamera) -> tuple[RemapTables, NDArray[np.bool_]]:
+        if self._kept is None or self._kept[0] != key:
+            width, height = self._edl.size
+            at = pinhole.project(self._points).reshape(height, width, 2)
+            inside = np.asarray(((at >= 0) & (at <= (width - 1, height - 1))).all(-1))
+            # A chroma sample lies half a pixel below its cell's first luma sample, in both pictures.
+            between = (at[0::2, 0::2] + at[1::2, 0::2]) / 2
+            chroma = (between - (0, 0.5)) / 2
+            self._kept = key, RemapTables(at.astype(np.float32), chroma.astype(np.float32)), inside
+        return self._kept[1], self._kept[2]
+
+
+@lru_cache(maxsize=2)
+def _surface(scenario: Scenario) -> Surface:
+    return Surface.of(scenario)
+
+
+def decisions(programme: edl.Edl) -> list[Decision]:
+    """By frame."""
+    return [decision for piece, decision in resolve(programme) for _ in piece]
