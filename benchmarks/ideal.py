@@ -7,8 +7,8 @@ FOLDER keeps recordings, analyses and figures: what is there is used; --again me
 the rows that FOLDER has figures of; seeds to tune on are kept out of it, and with --tuning the others.
 
 The ideal programme is what a camera would show that hung still where the reference camera stands in the first pose
-(`mcsl simulate --ideal`). Every variant is made by the compositor, without centering, with colours matched; the floor
-by the truth's own geometry.
+(`mcsl simulate --ideal`). Every variant is made by the compositor, without centering and fill, with colours matched;
+the floor by the truth's own geometry.
 """
 
 from __future__ import annotations
@@ -100,9 +100,10 @@ class Variant:
 def variants(made: edl.Edl, truth: Truth) -> list[Variant]:
     """Those that this programme has."""
     here = [name for name in AIDS if name in attrs.fields_dict(edl.Look)]
-    plane = edl.Look(centering=False, colour=True, **dict.fromkeys(here, False))
+    # Filled or not, the field is the same but for what little of it the chosen camera misses, at twenty times the cost.
+    plane = edl.Look(centering=False, fill=False, colour=True, **dict.fromkeys(here, False))
     found = [
-        Variant("no", without_alignment(made), attrs.evolve(plane, fill=False)),
+        Variant("no", without_alignment(made), plane),
         Variant("manual", aligned_by_hand(made, by_hand(made, truth, truth.scenario.seed)), plane),
         Variant("best plane", aligned_by_hand(made, by_truth(made, truth)), plane),
         Variant("plane", made, plane),
@@ -210,13 +211,11 @@ def without_hands(field: Mask, truth: Truth, geometry: TrueGeometry, shown: Sequ
         yield field & ~there & ~(np.zeros_like(there) if here is None else geometry.mask(here, camera, frame))
 
 
-def _floor(
-    compositor: Compositor, geometry: TrueGeometry, camera: str, frame: int, filled: Planes
-) -> NDArray[np.uint8]:
-    """Luma by the true geometry; where the chosen camera does not see, as the planes' programme fills it."""
+def _floor(compositor: Compositor, geometry: TrueGeometry, camera: str, frame: int, plane: Planes) -> NDArray[np.uint8]:
+    """Luma by the true geometry; where the chosen camera does not see, as the planes lay it."""
     own = compositor.picture(camera, frame)
     laid = None if own is None else geometry.picture(own, camera, frame, colour=True)
-    return filled.y if laid is None else np.where(laid[1], laid[0].y, filled.y)
+    return plane.y if laid is None else np.where(laid[1], laid[0].y, plane.y)
 
 
 def pictures(file: Path) -> list[Planes]:

@@ -43,10 +43,10 @@ def _head(found: Figures) -> list[str]:
         "",
         "The ideal programme is what a camera would show that hung still where the reference camera stands in the "
         "first pose, with hands and instruments, without heads and arms (`mcsl simulate --ideal`). Variants are made "
-        "by the compositor, without centering, colours matched. Manual: similarities from four clicked pairs, 2 px "
-        "off. Best plane: fitted to the truth. Plane: the analysis's homographies. Floor: the truth's own surface and "
-        "cameras with the same resampling, in movements, too; what it leaves is resampling, gloss and shade that each "
-        "camera sees otherwise, heads that nobody looks past, and hands above the surface.",
+        "by the compositor, without centering and fill, colours matched. Manual: similarities from four clicked pairs, "
+        "2 px off. Best plane: fitted to the truth. Plane: the analysis's homographies. Floor: the truth's own surface "
+        "and cameras with the same resampling, in movements, too; what it leaves is resampling, gloss and shade that "
+        "each camera sees otherwise, heads that nobody looks past, and hands above the surface.",
         "",
         table(["", "scene", "perspectives", "weak"], rows),
     ]
