@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -175,8 +175,7 @@ def of_pictures(made: edl.Edl, truth: Truth, source: Path, base: Path) -> dict[s
     shown = [decision.camera for decision in decisions(made)][:frames]
     footage = Footage(made.cameras, rate=made.rate, frames=made.frames, base=base)
     geometry = TrueGeometry(made, truth)
-    field = field_of(source)
-    places = {"field": [field] * frames, "bare": list(without_hands(field, truth, geometry, shown))}
+    places = places_of(field_of(source), truth, geometry, shown)
     found: dict[str, dict[str, list[Distance | None]]] = {place: {} for place in places}
 
     def note(name: str, frame: int, luma: NDArray[np.uint8]) -> None:
@@ -203,12 +202,19 @@ def field_of(source: Path) -> Mask:
     return np.asarray(mask) > 0
 
 
-def without_hands(field: Mask, truth: Truth, geometry: TrueGeometry, shown: Sequence[str]) -> Iterator[Mask]:
-    """By frame, the field without hands: where neither the ideal programme nor the chosen camera has them."""
-    hands = Hands(truth)
-    for frame, (camera, there) in enumerate(zip(shown, hands.in_ideal(), strict=False)):
-        here = hands.in_camera(truth.camera_index(camera), frame)
-        yield field & ~there & ~(np.zeros_like(there) if here is None else geometry.mask(here, camera, frame))
+def places_of(field: Mask, truth: Truth, geometry: TrueGeometry, shown: Sequence[str]) -> dict[str, list[Mask]]:
+    """By frame, what of the field is judged: all of it; without hands; and without heads and arms as well.
+
+    Hands are those of the ideal programme and of the chosen camera, heads the chosen camera's.
+    """
+    people, places = Hands(truth), {"surface": [], "bare": [], "field": [field] * len(shown)}
+    for frame, (camera, there) in enumerate(zip(shown, people.in_ideal(), strict=False)):
+        here = people.in_camera(truth.camera_index(camera), frame)
+        bare = field & ~there
+        for place in ("surface", "bare"):
+            in_the_way = here and (here.hands if place == "bare" else here.all)
+            places[place].append(bare if in_the_way is None else bare & ~geometry.mask(in_the_way, camera, frame))
+    return places
 
 
 def _floor(compositor: Compositor, geometry: TrueGeometry, camera: str, frame: int, plane: Planes) -> NDArray[np.uint8]:

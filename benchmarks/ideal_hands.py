@@ -1,4 +1,4 @@
-"""Where hands and instruments are in the cameras' pictures, by drawing the simulated scene without them."""
+"""Where hands, and where heads and arms are in the cameras' pictures, by drawing the simulated scene without them."""
 
 from __future__ import annotations
 
@@ -7,49 +7,73 @@ from collections.abc import Iterator
 import attrs
 import cv2
 import numpy as np
+from attrs import frozen
 from numpy.typing import NDArray
 
 from mcsl_core.simulation import Truth
-from mcsl_core.simulation.clocks import Clock
 from mcsl_core.simulation.ground import Ground
 from mcsl_core.simulation.ideal import ideal_pictures
 from mcsl_core.simulation.render import CameraPictures
-from mcsl_core.simulation.scene import Scene
+from mcsl_core.simulation.scene import Placement, Scene
 
 _CODES = 6  # of luma: a hand, and the darker half of the shade that it casts
 _MARGIN = 1 / 80  # of the picture's width: planes lay hands elsewhere than the truth does, by a few pixels
 Mask = NDArray[np.bool_]
 
 
+class _HandsAlone(Scene):
+    def placements(self, t: float) -> Iterator[Placement]:
+        return (placement for placement in super().placements(t) if placement.kind != "head")
+
+
+class _Nobody(Scene):
+    def placements(self, t: float) -> Iterator[Placement]:
+        return iter(())
+
+
+@frozen(eq=False)
+class InTheWay:
+    """Masks of a picture, each with shade and a margin.
+
+    Attributes
+    ----------
+    hands
+        (H, W): hands and instruments at work and at rest.
+    all
+        (H, W): those, heads, shoulders and reaching arms.
+    """
+
+    hands: Mask
+    all: Mask
+
+
 class Hands:
-    """Masks of hands and instruments, their shade and a margin; heads and reaching arms are left out of account."""
+    """Masks of who is in the way, by a scene's truth."""
 
     def __init__(self, truth: Truth) -> None:
         scene = Scene.of(truth.scenario)
         self._truth, self._ground = truth, Ground.of(truth.scenario, scene.surface, scene.rig)
-        self._with = attrs.evolve(scene, scenario=attrs.evolve(truth.scenario, noise=0.0), persons=())
-        self._without = attrs.evolve(self._with, crew=(), resting=())
-        self._cameras: dict[int, tuple[CameraPictures, CameraPictures]] = {}
+        values = {field.name: getattr(scene, field.name) for field in attrs.fields(Scene)}
+        values["scenario"] = attrs.evolve(truth.scenario, noise=0.0)
+        self._scenes = Scene(**values), _HandsAlone(**values), _Nobody(**values)
+        self._cameras: tuple[int, list[CameraPictures]] | None = None
 
     def in_ideal(self) -> Iterator[Mask]:
-        """By frame, in the ideal programme."""
-        drawn = (ideal_pictures(scene, self._ground) for scene in (self._with, self._without))
+        """Hands by frame, in the ideal programme."""
+        drawn = (ideal_pictures(scene, self._ground) for scene in self._scenes[1:])
         for one, other in zip(*drawn, strict=True):
             yield _apart(one.y, other.y)
 
-    def in_camera(self, camera: int, frame: int) -> Mask | None:
+    def in_camera(self, camera: int, frame: int) -> InTheWay | None:
         """In the picture that the camera of that index shows at a programme frame; None where it has none."""
         own = self._truth.own_frame(camera, frame)
         if own is None:
             return None
-        if camera not in self._cameras:
-            self._cameras = {camera: (self._pictures(self._with, camera), self._pictures(self._without, camera))}
-        one, other = (pictures.frame(own)[0] for pictures in self._cameras[camera])
-        return _apart(one.y, other.y)
-
-    def _pictures(self, scene: Scene, camera: int) -> CameraPictures:
-        clock: Clock = self._truth.clocks[camera]
-        return CameraPictures(scene, self._ground, camera, clock)
+        if self._cameras is None or self._cameras[0] != camera:
+            clock = self._truth.clocks[camera]
+            self._cameras = camera, [CameraPictures(scene, self._ground, camera, clock) for scene in self._scenes]
+        everybody, hands, nobody = (pictures.frame(own)[0].y for pictures in self._cameras[1])
+        return InTheWay(_apart(hands, nobody), _apart(everybody, nobody))
 
 
 def _apart(one: NDArray, other: NDArray) -> Mask:

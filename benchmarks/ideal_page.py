@@ -16,7 +16,8 @@ from benchmarks.ideal_geometry import JUMP_WIDTH, RAISED_MM, SHIFT_WIDTH
 VARIANTS = ("no", "manual", "best plane", "plane", "surface", "see_through", "floor")
 OCCASIONS = ("all", "standing", "moving", "switches", "heads")
 PLACES = {
-    "bare": "The field without hands, where neither the ideal programme nor the chosen camera has them",
+    "surface": "The field's surface alone, without hands (the ideal programme's, the chosen camera's), heads and arms",
+    "bare": "The field without hands, heads and arms over it counted",
     "field": "The whole field, with the hands over it, which no alignment of the surface lays right",
 }
 WAYS = ("plane", "best plane", "surface")
@@ -84,12 +85,12 @@ def _pair(values: Sequence[Sequence[float] | None]) -> str:
 def _by_recording(found: Figures) -> list[str]:
     names, rows = _variants(found), []
     for f in found:
-        cells = (f["distance"]["bare"].get(name, {}).get("switches") for name in names)
+        cells = (f["distance"]["surface"].get(name, {}).get("switches") for name in names)
         rows.append([f["name"], f["distance"]["frames"]["switches"], *(f"{c[0]:.1f}" if c else "–" for c in cells)])
     return [
         "## At switches, by recording",
         "",
-        "PSNR in dB of the field without hands.",
+        "PSNR in dB of the field's surface.",
         "",
         table(["", "frames", *names], rows),
     ]

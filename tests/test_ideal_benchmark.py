@@ -159,7 +159,7 @@ def test_the_floor_lays_every_camera_where_the_ideal_has_it_in_movements_too(fla
             laid, inside = geometry.picture(seen[camera][own], camera, frame, colour=False)  # pyright: ignore
             here = hands.in_camera(index, frame)
             assert here is not None
-            bare = mask & inside & ~in_ideal[frame] & ~geometry.mask(here, camera, frame)
+            bare = mask & inside & ~in_ideal[frame] & ~geometry.mask(here.all, camera, frame)
             assert bare.sum() > 2000
             plain = distance(seen[camera][own].y, ideal[frame].y, bare)
             right = distance(laid.y, ideal[frame].y, bare)
@@ -227,7 +227,8 @@ def test_the_page_has_what_was_measured(flat, surface: bool) -> None:
         "views": [{"pose": 0, "camera": "cam2", **spread}], "pooled": spread,
         "jumps": {name: [(1.5, 9.0), (2.5, 11.0)] for name in names},
         "distance": {
-            "bare": dict.fromkeys(names, occasions_of), "field": dict.fromkeys(names, occasions_of),
+            "surface": dict.fromkeys(names, occasions_of), "bare": dict.fromkeys(names, occasions_of),
+            "field": dict.fromkeys(names, occasions_of),
             "frames": {"switches": 12},
         },
     }  # fmt: skip
