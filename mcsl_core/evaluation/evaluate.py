@@ -82,7 +82,8 @@ def standard_variants(edl: Edl, *, manual: ByHand | None = None, colour: bool = 
     Returns
     -------
     tuple of Variant
-        "no", "manual" (where given), "auto", "centered", "filled", "delivered".
+        "no", "manual" (where given), "plane", "surface" (where the EDL has a relief), "auto" (the one of these two that
+        the EDL's look says), "centered", "filled", "delivered".
 
     References
     ----------
@@ -92,6 +93,7 @@ def standard_variants(edl: Edl, *, manual: ByHand | None = None, colour: bool = 
     found = [Variant("no", "No-alignment", without_alignment(edl), plain)]
     if manual is not None:
         found.append(Variant("manual", "Manual-alignment", aligned_by_hand(edl, manual), plain))
+    found.append(Variant("plane", "Auto, by planes", edl, plain))
     found += [
         Variant("auto", "Auto", edl, plain),
         Variant("centered", "Auto + centered", edl, attrs.evolve(plain, centering=True)),
@@ -148,22 +150,20 @@ def evaluate(
     variants = standard_variants(edl) if variants is None else tuple(variants)
     _check(edl, variants, width, every)
     selection = _select(edl, every, most_switches)
+    made = {_made_alike(variant): variant for variant in variants}  # what is made alike is measured once
     size, progress = proxy_size(edl.size, width), progress or Silent()
     read_contents(media_files(edl, base), progress)
     tell_of_changed_media(edl, base, progress)
-    found = _measure(edl, base, variants, size, selection.pairs, progress)
+    measured = _measure(edl, base, list(made.values()), size, selection.pairs, progress)
+    found = dict(zip(made, measured, strict=True))
     weights_at_switches, weights = selection.weights(edl.frames)
-    rows = tuple(
-        Measured(
-            variant.name,
-            variant.label,
-            _summary(pairs, weights) if every else None,
-            _summary(pairs, weights_at_switches),
-            tuple(pairs[s.frame - 1] for s in selection.switches),
-        )
-        for variant, pairs in zip(variants, found, strict=True)
-    )
-    return Evaluation(Conditions(size, every, len(selection.cuts)), selection.switches, rows)
+    rows = []
+    for variant in variants:
+        pairs = found[_made_alike(variant)]
+        whole, at_switches = _summary(pairs, weights) if every else None, _summary(pairs, weights_at_switches)
+        one_by_one = tuple(pairs[s.frame - 1] for s in selection.switches)
+        rows.append(Measured(variant.name, variant.label, whole, at_switches, one_by_one))
+    return Evaluation(Conditions(size, every, len(selection.cuts)), selection.switches, tuple(rows))
 
 
 @frozen
@@ -188,6 +188,11 @@ class _Selection:
         at_switches = {j: len(self.cuts) / len(chosen) for j in chosen}
         within = {j: (frames - 1 - len(self.cuts)) / len(self.within) for j in self.within}
         return at_switches, at_switches | within
+
+
+def _made_alike(variant: Variant) -> tuple[int, Look | None]:
+    """Equal for variants whose pictures are the same."""
+    return id(variant.edl), variant.look
 
 
 def _check(edl: Edl, variants: Sequence[Variant], width: int, every: int) -> None:
