@@ -34,6 +34,7 @@ from benchmarks.ideal_geometry import (
     best_planes,
     decisions,
     displacements,
+    in_movements,
     jumps,
     switches,
 )
@@ -157,9 +158,18 @@ def of_geometry(made: edl.Edl, truth: Truth) -> dict[str, Any]:
         name: [jump for cut in cuts if (jump := jumps(v.edl, truth, cut, surface=v.surface)) is not None]
         for name, v in own.items()
     }
+    moving = {name: in_movements(v.edl, truth, surface=v.surface) for name, v in own.items()}
+    moved = {name: _spread(values) for name, values in moving.items() if len(values)}
     weak = sum(len(pose.weak) for pose in made.poses)
     perspectives = len({pose.perspective for pose in made.poses})
-    return {"views": views, "pooled": pooled, "jumps": leaps, "weak": weak, "perspectives": perspectives}
+    return {
+        "views": views,
+        "pooled": pooled,
+        "jumps": leaps,
+        "moving": moved,
+        "weak": weak,
+        "perspectives": perspectives,
+    }
 
 
 def _spread(values: NDArray[np.float64]) -> list[float]:

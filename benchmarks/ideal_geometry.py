@@ -122,6 +122,22 @@ def _length(shift: Points, scale: float) -> NDArray[np.float64]:
     return scale * np.hypot(*shift.T)
 
 
+def in_movements(programme: edl.Edl, truth: Truth, *, surface: bool) -> NDArray[np.float64]:
+    """As `displacements`, of what the programme shows in every third frame of movements; empty without any."""
+    reference, shown, found = truth.camera_index(truth.reference), decisions(programme), [np.zeros(0)]
+    for movement in truth.in_movements:
+        for n, frame in enumerate(movement.frames):
+            if frame >= programme.frames:
+                continue
+            index, camera = programme.poses.index(programme.pose_at(int(frame))), shown[frame].camera
+            first = programme.poses[first_of_perspective(programme, index)]
+            seen = movement.field_points_px[n, truth.camera_index(camera)]
+            at = to_programme(programme, index, camera, surface=surface)(seen)
+            home = true_pose(truth, first).field_points_px[reference]
+            found.append(_length(at - home, SHIFT_WIDTH / programme.size[0]))
+    return np.concatenate(found)
+
+
 # ------------------------------------------------------------------------------------------------------- at switches
 
 

@@ -26,7 +26,14 @@ Figures = Sequence[Mapping[str, Any]]
 
 def markdown(found: Figures) -> str:
     """The page."""
-    sections = [_head(found), _distance(found), _by_recording(found), _jumps(found), _displacements(found)]
+    sections = [
+        _head(found),
+        _distance(found),
+        _by_recording(found),
+        _jumps(found),
+        _moving(found),
+        _displacements(found),
+    ]
     return "\n".join(line for section in sections for line in (*section, ""))
 
 
@@ -111,6 +118,21 @@ def _jumps(found: Figures) -> list[str]:
         f"points {RAISED_MM:.0f} mm above the field, as hands are.",
         "",
         table(["", "switches", "median", "largest", "above, median"], rows),
+    ]
+
+
+def _moving(found: Figures) -> list[str]:
+    names, rows = _there(found, "moving", VARIANTS), []
+    for f in found:
+        if f["moving"]:
+            rows.append([f["name"], *(" / ".join(f"{x:.1f}" for x in f["moving"].get(name, [])) for name in names)])
+    return [
+        "## Displacement while the lamp moves",
+        "",
+        "Of the field's true points in the chosen camera's picture, in every third frame of movements: median / rms / "
+        f"95th percentile in pixels at {SHIFT_WIDTH} px width.",
+        "",
+        table(["", *names], rows),
     ]
 
 

@@ -15,6 +15,7 @@ from benchmarks.ideal_geometry import (
     TrueGeometry,
     best_planes,
     displacements,
+    in_movements,
     inverse,
     jumps,
     switches,
@@ -131,6 +132,16 @@ def test_a_plane_that_is_right_displaces_nothing_and_one_that_is_off_by_so_much(
         assert max(values.max() for values in best_planes(made, truth).values()) < 0.05
 
 
+def test_what_a_movement_displaces(flat) -> None:
+    """The programme holds its picture to the middle of a movement: near its ends little is displaced."""
+    _, truth = flat
+    found = in_movements(programme(truth), truth, surface=False).reshape(-1, len(truth.field_points_mm))
+    assert len(found) == len(truth.in_movements[0].frames)
+    way = np.median(np.hypot(*(truth.poses[1].field_points_px[1] - truth.poses[0].field_points_px[1]).T)) * 3
+    assert 1 < np.median(found[0]) < way
+    assert in_movements(programme(truth), attrs.evolve(truth, in_movements=()), surface=False).size == 0
+
+
 def test_jumps_at_switches(flat) -> None:
     _, truth = flat
     made = programme(truth, cam2_off=(6.0, 0.0))
@@ -225,6 +236,7 @@ def test_the_page_has_what_was_measured(flat, surface: bool) -> None:
     figures = {
         "name": "701", "scene": scene_of(truth), "perspectives": 1, "weak": 0,
         "views": [{"pose": 0, "camera": "cam2", **spread}], "pooled": spread,
+        "moving": {name: [4.0, 5.0, 6.0] for name in names},
         "jumps": {name: [(1.5, 9.0), (2.5, 11.0)] for name in names},
         "distance": {
             "surface": dict.fromkeys(names, occasions_of), "bare": dict.fromkeys(names, occasions_of),
@@ -236,5 +248,6 @@ def test_the_page_has_what_was_measured(flat, surface: bool) -> None:
     assert "| plane | 20.0 / 0.500 | 21.0 / 0.600 | – | 22.0 / 0.700 | – |" in page
     assert "| plane | 2 | 2.00 | 2.50 | 10.00 |" in page
     assert "1.00 / 2.00 / 3.00" in page
+    assert "| 701 | 4.0 / 5.0 / 6.0 |" in page
     assert ("cam2 in pose 0" in page) == surface
     assert ("| surface |" in page) == surface
