@@ -11,12 +11,9 @@ from numpy.typing import NDArray
 
 from mcsl_core.simulation import Truth
 
-from .ideal_geometry import Cut
-
 U8 = NDArray[np.uint8]
 CEILING_DB = 60.0  # equal pictures
 LEAST = 400  # pixels
-AROUND = 3  # frames on either side of a switch
 HEADS = 0.9  # under heads: of the chosen camera's field no more than this is seen past heads, shoulders and arms
 _SIGMA = 1.5  # of SSIM's window
 _C1, _C2 = (0.01 * 255) ** 2, (0.03 * 255) ** 2
@@ -70,8 +67,8 @@ def _ssim(a: NDArray, b: NDArray) -> NDArray:
     return (2 * ma * mb + _C1) * (2 * both + _C2) / ((ma * ma + mb * mb + _C1) * (va + vb + _C2))
 
 
-def occasions(truth: Truth, shown: list[str], cuts: list[Cut]) -> Mapping[str, NDArray[np.bool_]]:
-    """Which frames are which: all, standing, moving, around a switch, with heads over the chosen camera's field.
+def occasions(truth: Truth, shown: Sequence[str]) -> Mapping[str, NDArray[np.bool_]]:
+    """Which frames are which: all, standing, moving, and with heads over the chosen camera's field.
 
     Parameters
     ----------
@@ -79,24 +76,14 @@ def occasions(truth: Truth, shown: list[str], cuts: list[Cut]) -> Mapping[str, N
         Of the recording.
     shown
         The chosen camera by frame.
-    cuts
-        Switches while the lamp stands.
     """
     frames = len(shown)
-    moving, switch = np.zeros(frames, bool), np.zeros(frames, bool)
+    moving = np.zeros(frames, bool)
     for start, stop in truth.movements:
         moving[start:stop] = True
-    for cut in cuts:
-        switch[max(0, cut.frame - AROUND) : cut.frame + AROUND] = True
     cameras = [truth.camera_index(camera) for camera in shown]
     heads = truth.visible_field_without_hands[np.arange(frames), cameras] < HEADS
-    return {
-        "all": np.ones(frames, bool),
-        "standing": ~moving,
-        "moving": moving,
-        "switches": switch,
-        "heads": heads & ~moving,
-    }
+    return {"all": np.ones(frames, bool), "standing": ~moving, "moving": moving, "heads": heads & ~moving}
 
 
 def means(distances: Sequence[Distance | None], which: NDArray[np.bool_]) -> tuple[float, float] | None:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 from itertools import pairwise
 
+import attrs
 import cv2
 import numpy as np
 from attrs import frozen
@@ -27,8 +28,11 @@ from mcsl_core.simulation.rig import PinholeCamera, Rig
 from mcsl_core.simulation.schedule import LampPath, lamp_path
 from mcsl_core.simulation.surface import Surface
 from mcsl_core.simulation.truth import fit_homography, transfer
+from mcsl_core.timing import FrameRange
 
 RAISED_MM = 40.0  # where hands and instruments are, above the field
+DRILL_S, SEEN = 1.5, 0.9  # from one drilled switch to the next, and how much of the field its camera sees past heads
+AROUND = 3  # frames on either side of a switch
 JUMP_WIDTH, SHIFT_WIDTH = 640, 960  # of the pictures whose pixels are counted
 Points = NDArray[np.float64]
 Map = Callable[[Points], Points]
@@ -158,6 +162,30 @@ def switches(programme: edl.Edl, truth: Truth) -> list[Cut]:
         if one.camera != other.camera and not moves:
             found.append(Cut(piece.start, one.camera, other.camera))
     return found
+
+
+def drilled(programme: edl.Edl, truth: Truth) -> edl.Edl:
+    """The programme with a switch every `DRILL_S` while the lamp stands, to the next camera that sees the field.
+
+    Analysed recordings of this length have one switch or none; where they lie, depends on the selection.
+    """
+    step, cuts = round(DRILL_S * programme.rate), [(0, programme.reference)]
+    still = [range(a + step, b - AROUND) for a, b in (pose.range for pose in truth.poses)]
+    for frame in (f for piece in still for f in piece[::step]):
+        turn = truth.cameras.index(cuts[-1][1])
+        others = [*truth.cameras[turn + 1 :], *truth.cameras[:turn]]
+        pose = programme.pose_at(frame)
+        seen = truth.visible_field_without_hands[frame - AROUND : frame + AROUND].min(0)
+        free = [
+            c
+            for c in others
+            if placement_matrix(programme, pose, c) is not None and seen[truth.cameras.index(c)] > SEEN
+        ]
+        if free:
+            cuts.append((frame, free[0]))
+    ends = [*(frame for frame, _ in cuts[1:]), programme.frames]
+    shots = [edl.Shot(FrameRange(a, b), camera) for (a, camera), b in zip(cuts, ends, strict=True)]
+    return attrs.evolve(programme, shots=tuple(shots), overrides=())
 
 
 def jumps(programme: edl.Edl, truth: Truth, cut: Cut, *, surface: bool) -> tuple[float, float] | None:

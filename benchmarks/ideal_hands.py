@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import attrs
 import cv2
@@ -58,11 +58,10 @@ class Hands:
         self._scenes = Scene(**values), _HandsAlone(**values), _Nobody(**values)
         self._cameras: tuple[int, list[CameraPictures]] | None = None
 
-    def in_ideal(self) -> Iterator[Mask]:
-        """Hands by frame, in the ideal programme."""
-        drawn = (ideal_pictures(scene, self._ground) for scene in self._scenes[1:])
-        for one, other in zip(*drawn, strict=True):
-            yield _apart(one.y, other.y)
+    def in_ideal(self, frames: Sequence[int]) -> dict[int, Mask]:
+        """Hands by frame, in the ideal programme; frames in rising order."""
+        drawn = (ideal_pictures(scene, self._ground, frames) for scene in self._scenes[1:])
+        return {frame: _apart(one.y, other.y) for frame, one, other in zip(frames, *drawn, strict=True)}
 
     def in_camera(self, camera: int, frame: int) -> InTheWay | None:
         """In the picture that the camera of that index shows at a programme frame; None where it has none."""

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.accuracy import table
-from benchmarks.ideal_distance import AROUND, HEADS
-from benchmarks.ideal_geometry import JUMP_WIDTH, RAISED_MM, SHIFT_WIDTH
+from benchmarks.ideal_distance import HEADS
+from benchmarks.ideal_geometry import AROUND, DRILL_S, JUMP_WIDTH, RAISED_MM, SHIFT_WIDTH
 
 VARIANTS = ("no", "manual", "best plane", "plane", "surface", "see_through", "floor")
 OCCASIONS = ("all", "standing", "moving", "switches", "heads")
@@ -47,7 +47,7 @@ def _head(found: Figures) -> list[str]:
         "# Distance to the ideal programme",
         "",
         f"Made by `python -m benchmarks.ideal FOLDER` on {date.today().isoformat()}, {platform.machine()}, Python "
-        f"{platform.python_version()}. 24 s, 640x360, 10 frames a second, five cameras.",
+        f"{platform.python_version()}. 640x360, 10 frames a second, five cameras, 12 s a pose.",
         "",
         "The ideal programme is what a camera would show that hung still where the reference camera stands in the "
         "first pose, with hands and instruments, without heads and arms (`mcsl simulate --ideal`). Variants are made "
@@ -65,8 +65,9 @@ def _distance(found: Figures) -> list[str]:
         "## Distance",
         "",
         "PSNR in dB / structure (SSIM after gain and offset are fitted), means over frames and then over recordings. "
-        f"Switches: {AROUND} frames on either side of one, the lamp standing. Heads: frames in which heads and arms "
-        f"leave less than {HEADS:.0%} of the chosen camera's field, the lamp standing.",
+        f"Switches: {AROUND} frames on either side of one, in a cut that goes every {DRILL_S} s to the next camera "
+        "that sees the field, the lamp standing; the other columns are the analysis's own cut. Heads: frames in which "
+        f"heads and arms leave less than {HEADS:.0%} of the chosen camera's field, the lamp standing.",
     ]
     for place, words in PLACES.items():
         rows = []
@@ -114,7 +115,7 @@ def _jumps(found: Figures) -> list[str]:
         "## Jumps at switches",
         "",
         f"How far the field's true points jump in the programme from the last frame before a switch to the first after "
-        f"it, pixels at {JUMP_WIDTH} px width: of each switch the median, the lamp standing. The floor is 0. Above: "
+        f"it in that cut, pixels at {JUMP_WIDTH} px width: of each switch the median. The floor is 0. Above: "
         f"points {RAISED_MM:.0f} mm above the field, as hands are.",
         "",
         table(["", "switches", "median", "largest", "above, median"], rows),

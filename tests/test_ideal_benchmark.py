@@ -8,13 +8,16 @@ import pytest
 from pictures import psnr
 
 from benchmarks.ideal import FINAL, TUNING, Variant, is_tuning, pictures, scenario, scene_of, variants
-from benchmarks.ideal_distance import AROUND, CEILING_DB, Distance, distance, means, occasions
+from benchmarks.ideal_distance import CEILING_DB, Distance, distance, means, occasions
 from benchmarks.ideal_geometry import (
+    AROUND,
+    DRILL_S,
     Cut,
     Lamp,
     TrueGeometry,
     best_planes,
     displacements,
+    drilled,
     in_movements,
     inverse,
     jumps,
@@ -159,7 +162,7 @@ def test_the_floor_lays_every_camera_where_the_ideal_has_it_in_movements_too(fla
     out, truth = flat
     ideal, seen = pictures(out / "ideal" / "ideal.mp4"), {c: pictures(out / f"{c}.mp4") for c in truth.cameras}
     geometry, hands = TrueGeometry(programme(truth), truth), Hands(truth)
-    in_ideal = list(hands.in_ideal())
+    in_ideal = hands.in_ideal(range(truth.frames))
     start, _ = truth.movements[0]
     mask = np.zeros(ideal[0].y.shape, bool)
     mask[40:140, 80:240] = True
@@ -188,17 +191,35 @@ def test_the_floor_lays_every_camera_where_the_ideal_has_it_in_movements_too(fla
 
 def test_frames_are_told_apart(flat) -> None:
     _, truth = flat
-    made = programme(truth)
     shown = ["cam1"] * 4 + ["cam2"] * (truth.frames - 4)
     hidden = np.ones_like(truth.visible_field_without_hands)
     hidden[7, 1] = hidden[2, 1] = hidden[truth.movements[0][0], 1] = 0.5  # in frame 2 cam1 is shown
-    which = occasions(attrs.evolve(truth, visible_field_without_hands=hidden), shown, switches(made, truth))
-    (start, stop), frames = truth.movements[0], range(truth.frames)
+    which = occasions(attrs.evolve(truth, visible_field_without_hands=hidden), shown)
+    start, stop = truth.movements[0]
     assert np.flatnonzero(which["moving"]).tolist() == list(range(start, stop))
-    assert np.flatnonzero(which["switches"]).tolist() == list(range(4 - AROUND, 4 + AROUND))
     assert np.flatnonzero(which["heads"]).tolist() == [7]
     assert (which["standing"] ^ which["moving"]).all()
-    assert which["all"].sum() == len(frames)
+    assert which["all"].sum() == truth.frames
+
+
+def test_a_drilled_cut_goes_to_cameras_that_see_the_field(flat) -> None:
+    _, truth = flat
+    long = attrs.evolve(truth.poses[0], range=(0, 40))
+    seen = np.ones((60, 2))
+    seen[15:30, 1] = 0.5
+    slow = attrs.evolve(truth, poses=(long,), visible_field_without_hands=seen, frames=60, movements=())
+    short, within = programme(truth), FrameRange(0, 60)
+    poses, shots = (attrs.evolve(short.poses[0], range=within),), (Shot(within, "cam1"),)
+    made = attrs.evolve(short, frames=60, movements=(), poses=poses, shots=shots)
+    cut = drilled(made, slow)
+    step = round(DRILL_S * 5)
+    starts = [(shot.range.start, shot.camera) for shot in cut.shots]
+    # Every step to the other camera, but not while that sees little; what stands still ends three frames early.
+    free = [frame for frame in range(step, 40 - AROUND, step) if not 15 - AROUND < frame < 30 + AROUND]
+    assert next(frame for frame, camera in starts if camera == "cam2") == free[0]
+    assert {frame for frame, _ in starts[1:]} <= set(range(step, 40 - AROUND, step))
+    assert not [f for f, camera in starts if camera == "cam2" and 15 - AROUND < f < 30 + AROUND]
+    assert len(starts) >= 3
 
 
 # -------------------------------------------------------------------------------------------------------- the rest

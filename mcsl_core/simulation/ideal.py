@@ -7,7 +7,7 @@ else. Where the field lies in it never changes.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from pathlib import Path
 
@@ -32,13 +32,15 @@ FILM, FIELD = "ideal.mp4", "field.png"  # by both `recording.discovery` tells th
 _ENCODING = Encoding(options={"preset": "superfast", "crf": "6"})  # a yardstick: 51 dB and more of what was drawn
 
 
-def ideal_pictures(scene: Scene, ground: Ground) -> Iterator[Planes]:
+def ideal_pictures(scene: Scene, ground: Ground, frames: Iterable[int] | None = None) -> Iterator[Planes]:
     """The ideal programme's frames, one after another.
 
     Parameters
     ----------
     scene, ground
         What is filmed.
+    frames
+        Which; all without. Rising order is quick.
     """
     scenario = scene.scenario
     still = attrs.evolve(
@@ -48,7 +50,7 @@ def ideal_pictures(scene: Scene, ground: Ground) -> Iterator[Planes]:
         persons=(),
     )
     pictures = CameraPictures(still, ground, 0, Clock(), Optics(scenario, scene.path, 0))
-    for frame in range(scenario.frames):
+    for frame in range(scenario.frames) if frames is None else frames:
         yield pictures.frame(frame)[0]
 
 
