@@ -152,8 +152,8 @@ def _refined_densely(
         pictures_before = [samples.picture(i, name) for i in before.samples]
         pictures_now = [samples.picture(i, name) for i in now.samples]
         cameras = {
-            "before": AlignedCamera(pictures_before, to_aligned @ h_before, full),
-            "now": AlignedCamera(pictures_now, to_aligned @ first @ h_now, full),
+            "before": AlignedCamera.by_plane(pictures_before, to_aligned @ h_before, full, dense_size),
+            "now": AlignedCamera.by_plane(pictures_now, to_aligned @ first @ h_now, full, dense_size),
         }
         for matches in match_densely(cameras, area, settings.dense).values():
             a.append(transform_points(h_now, matches.b))

@@ -7,7 +7,7 @@ flow says the same of in several samples is the patient; hands and heads never a
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from itertools import combinations
 
 import cv2
@@ -15,7 +15,7 @@ import numpy as np
 from attrs import field, frozen
 from numpy.typing import NDArray
 
-from mcsl_core.imaging.geometry import Array, scaling, transform_points
+from mcsl_core.imaging.geometry import Array, inverse, scaling, transform_points
 from mcsl_core.imaging.masks import Mask, hue_mask
 
 from .aligned_views import Picture
@@ -32,15 +32,37 @@ class AlignedCamera:
     ----------
     pictures : sequence of (h, w, 3) uint8 array or None
         One a sample, BGR, reduced; None where there is none.
-    to_aligned : (3, 3) array
-        Full-size camera pixel -> aligned pixel.
+    to_camera : (H, W, 2) float32 array
+        Where every aligned pixel lies in the camera, in its full-size pixels.
     size : (int, int)
         The camera's full width and height.
+    steady : sequence of (h, w) bool array, optional
+        Where the pictures may be believed; everywhere without.
     """
 
     pictures: Sequence[Picture | None]
-    to_aligned: Array
+    to_camera: NDArray[np.float32]
     size: tuple[int, int]
+    steady: Sequence[Mask] | None = None
+
+    @classmethod
+    def by_plane(
+        cls,
+        pictures: Sequence[Picture | None],
+        to_aligned: Array,
+        size: tuple[int, int],
+        aligned: tuple[int, int],
+        steady: Sequence[Mask] | None = None,
+    ) -> AlignedCamera:
+        """Laid by a homography, full-size camera pixel -> pixel of the ``aligned`` size (width, height)."""
+        places = transform_points(inverse(to_aligned), pixels_of(aligned))
+        return cls(pictures, places.reshape(aligned[1], aligned[0], 2).astype(np.float32), size, steady)
+
+
+def pixels_of(size: tuple[int, int]) -> Array:
+    """(H * W, 2): all pixels of a picture of that width and height, row by row."""
+    x, y = np.meshgrid(np.arange(size[0], dtype=np.float64), np.arange(size[1], dtype=np.float64))
+    return np.stack([x.ravel(), y.ravel()], axis=1)
 
 
 @frozen
@@ -78,7 +100,10 @@ class DenseSettings:
 
 
 def match_densely(
-    cameras: Mapping[str, AlignedCamera], area: Mask, settings: DenseSettings | None = None
+    cameras: Mapping[str, AlignedCamera],
+    area: Mask,
+    settings: DenseSettings | None = None,
+    wanted: Set[str] | None = None,
 ) -> dict[tuple[str, str], Correspondences]:
     """Matches every pair of cameras evenly over an area.
 
@@ -90,11 +115,13 @@ def match_densely(
         Where to match, in aligned pixels.
     settings : DenseSettings, optional
         The defaults without.
+    wanted : set of str, optional
+        Only pairs with one of these cameras; all without.
 
     Returns
     -------
     dict of (str, str) to Correspondences
-        Pair of names, in alphabetical order -> matches in full-size pixels; without pairs of fewer than 20. Weight is 1
+        Pair of names, in the order given -> matches in full-size pixels; without pairs of fewer than 20. Weight is 1
         where a point has the field's hue whenever it is seen, `DenseSettings.other_hue` where it never has; ``seen``
         counts samples.
 
@@ -109,7 +136,7 @@ def match_densely(
     grid = crop.grid(area, settings.grid_px)
     flow = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
     bound = settings.reach * float(np.hypot(*area.shape))
-    pairs = list(combinations(sorted(cameras), 2))
+    pairs = [pair for pair in combinations(cameras, 2) if wanted is None or not wanted.isdisjoint(pair)]
     found: dict[tuple[str, str], list[tuple[Array, NDArray[np.bool_]]]] = {pair: [] for pair in pairs}
     for sample in range(max((len(camera.pictures) for camera in cameras.values()), default=0)):
         laid = {name: crop.lay(camera, sample) for name, camera in cameras.items()}
@@ -128,17 +155,18 @@ def match_densely(
 
 @frozen(eq=False)
 class _Laid:
-    """A picture laid into the crop: grey (h, w), and where it has the field's hue (with two pixels around)."""
+    """A picture laid in the crop: its grey, where it is near the field's hue, where it may be believed."""
 
     grey: NDArray[np.uint8]
     hue: NDArray[np.uint8]
+    steady: NDArray[np.uint8] | None
 
 
 @frozen(eq=False)
 class _Crop:
-    """The part of the aligned picture about an area. shift: (3, 3), aligned pixel -> its own. size: width, height."""
+    """The part of the aligned picture about an area: its first column and row, its width and height."""
 
-    shift: Array
+    corner: tuple[int, int]
     size: tuple[int, int]
 
     @classmethod
@@ -149,30 +177,36 @@ class _Crop:
         x, y = max(int(columns.min()) - margin, 0), max(int(rows.min()) - margin, 0)
         stop_x = min(int(columns.max()) + margin + 1, area.shape[1])
         stop_y = min(int(rows.max()) + margin + 1, area.shape[0])
-        return cls(np.array([[1.0, 0, -x], [0, 1, -y], [0, 0, 1]]), (stop_x - x, stop_y - y))
+        return cls((x, y), (stop_x - x, stop_y - y))
 
     def grid(self, area: Mask, grid_px: int) -> NDArray[np.int64]:
         """(N, 2) pixels of the crop on a grid inside ``area``."""
         width, height = self.size
         x, y = np.meshgrid(np.arange(grid_px // 2, width, grid_px), np.arange(grid_px // 2, height, grid_px))
         points = np.stack([x.ravel(), y.ravel()], axis=1)
-        corner = -self.shift[:2, 2].astype(int)
-        return points[area[points[:, 1] + corner[1], points[:, 0] + corner[0]]]
+        return points[area[points[:, 1] + self.corner[1], points[:, 0] + self.corner[0]]]
 
     def lay(self, camera: AlignedCamera, sample: int) -> _Laid | None:
         """The camera's picture of a sample in the crop, None where there is none."""
         picture = camera.pictures[sample] if sample < len(camera.pictures) else None
         if picture is None:
             return None
-        warp = self.shift @ camera.to_aligned @ scaling((picture.shape[1], picture.shape[0]), camera.size)
-        laid = cv2.warpPerspective(picture, warp, self.size, flags=cv2.INTER_LINEAR)
+        (x, y), (width, height) = self.corner, self.size
+        reduced = scaling(camera.size, (picture.shape[1], picture.shape[0]))
+        places = camera.to_camera[y : y + height, x : x + width]
+        at = (places @ reduced[:2, :2].T + reduced[:2, 2]).astype(np.float32)
+        laid = cv2.remap(picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR)
         near = cv2.dilate(hue_mask(laid), np.ones((5, 5), np.uint8))  # pyright: ignore[reportArgumentType]
-        return _Laid(cv2.cvtColor(laid, cv2.COLOR_BGR2GRAY), near)  # pyright: ignore[reportArgumentType]
+        steady = None
+        if camera.steady is not None:
+            steady = cv2.remap(camera.steady[sample].view(np.uint8), at[..., 0], at[..., 1], cv2.INTER_NEAREST)
+        return _Laid(cv2.cvtColor(laid, cv2.COLOR_BGR2GRAY), near, steady)  # pyright: ignore[reportArgumentType]
 
     def to_camera(self, points: Array, camera: AlignedCamera) -> Array:
         """(N, 2) pixels of the crop -> full-size pixels of the camera."""
-        back: Array = np.asarray(np.linalg.inv(self.shift @ camera.to_aligned), np.float64)
-        return transform_points(back, points)
+        x, y = (points + self.corner).astype(np.float32).T
+        at = cv2.remap(camera.to_camera, x[None], y[None], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        return at[0].astype(np.float64)
 
 
 def _displacement(
@@ -193,6 +227,8 @@ def _displacement(
         & (np.hypot(loop[..., 0], loop[..., 1]) < settings.loop_px)
         & (np.hypot(there[..., 0], there[..., 1]) < bound)
     )
+    if a.steady is not None and b.steady is not None:
+        believed &= (a.steady > 0) & (cv2.remap(b.steady, to_x, to_y, cv2.INTER_NEAREST) > 0)
     hue = (a.hue > 0) & (cv2.remap(b.hue, to_x, to_y, cv2.INTER_NEAREST) > 0)
     at = (grid[:, 1], grid[:, 0])
     displacement = there[at].astype(np.float64)

@@ -16,8 +16,8 @@ from attrs import frozen
 
 from mcsl_core.edl import Colour, Pose, Weak
 from mcsl_core.edl.field import MIDDLE, PICTURES
-from mcsl_core.imaging.geometry import scaling, size_at_columns, to_edl_matrix
-from mcsl_core.imaging.masks import Mask, central_ellipse, convex_hull, resize_mask
+from mcsl_core.imaging.geometry import size_at_columns, to_edl_matrix
+from mcsl_core.imaging.masks import Mask, central_ellipse, resize_mask
 from mcsl_core.progress import Progress
 from mcsl_core.timing import FrameRange
 
@@ -25,11 +25,12 @@ from .aligned_views import AlignedPose, Picture
 from .clear_frames import degree_of_occlusion, field_area
 from .colour_match import match_colours
 from .correspondences import Pairs
-from .dense_matching import AlignedCamera, DenseSettings, match_densely
 from .field import field_by_hue, field_by_vote, field_in_camera, field_that_stays, modal_picture, shared_aim
 from .observations import Observations, Samples, SolvedPose, match_cameras, observe, spread, weight_matches
 from .photo_consistency import Agreement, LaidView, refuted
 from .protocol import Aligner, Alignment, Matcher
+from .relief.cameras import ReliefCameras
+from .relief.matching import Views, field_pairs, relief_cameras
 from .settings import SolveSettings
 from .steady import SteadyView, steady_view
 
@@ -102,11 +103,12 @@ class PoseSolver:
         first, by_points = self._by_points(observations, known)
         by_hue = self._by_hue(first, for_field, samples) if known is None else known
         pictures = [samples[i].pictures for i in for_dense]
-        # In a field that is known its hue says nothing more.
-        how = settings.dense if known is None else attrs.evolve(settings.dense, other_hue=1.0)
-        dense = self._densely(first, by_hue, pictures, how)
-        tied = self._together(first, by_points, dense)
-        alignment = self._confirmed(tied, pictures)
+        steady = {name: steady_view([shown.get(name) for shown in pictures]) for name in first.homographies}
+        views = Views(self.reference, self.sizes, steady, pictures)
+        found = relief_cameras(views, first.homographies)
+        dense = found[1] if found else {}
+        tied = self._together(first, by_points, found and found[0], by_hue, views)
+        alignment = self._confirmed(tied, steady)
         _tell_of_weak(alignment, frames, progress)
         aligned = self._aligned(alignment, settings.scene_width)
         field = resize_mask(by_hue, aligned.size)
@@ -167,31 +169,20 @@ class PoseSolver:
         coarse = self._aligned(first, self.settings.typical_width)
         return field_by_hue(modal_picture(coarse, (samples[i].pictures for i in positions)))
 
-    def _densely(
-        self, first: Alignment, by_hue: Mask, pictures: Sequence[Mapping[str, Picture | None]], dense: DenseSettings
-    ) -> Pairs:
-        """Matches all over the hull of the field, of the cameras that are tied in."""
-        size = size_at_columns(self.sizes[self.reference], self.settings.dense_width)
-        to_aligned = scaling(self.sizes[self.reference], size)
-        cameras = {
-            name: AlignedCamera([shown.get(name) for shown in pictures], to_aligned @ h, self.sizes[name])
-            for name, h in first.homographies.items()
-        }
-        area = convex_hull(resize_mask(by_hue, size))
-        return match_densely(cameras, area if area.any() else central_ellipse(size), dense)
+    def _together(
+        self, first: Alignment, by_points: Pairs, relief: ReliefCameras | None, field: Mask, views: Views
+    ) -> Alignment:
+        """The alignment by the relief over the field; a camera without stays where its points lay it.
 
-    def _together(self, first: Alignment, by_points: Pairs, dense: Pairs) -> Alignment:
-        """The alignment by dense matches, where there are any; a camera without stays where its points lay it.
-
-        The aligner's own verdict on weak cameras was given on the points: dense matching reaches only where those lead.
+        The aligner's own verdict on weak cameras was given on the points: the relief reaches only where those lead.
         """
-        if not dense:
+        if relief is None:
             return first
-        tied = {name for pair in dense for name in pair}
+        dense = field_pairs(relief, field if field.any() else central_ellipse(views.size), views)
         rest = {
             pair: matches
             for pair, matches in by_points.items()
-            if not tied.issuperset(pair) and first.homographies.keys() >= set(pair)
+            if not relief.projections.keys() >= set(pair) and first.homographies.keys() >= set(pair)
         }
         sizes = {name: self.sizes[name] for name in first.homographies}
         final = self.aligner.align({**dense, **rest}, sizes, self.reference)
@@ -199,9 +190,8 @@ class PoseSolver:
             return first
         return attrs.evolve(final, weak=first.weak)
 
-    def _confirmed(self, alignment: Alignment, pictures: Sequence[Mapping[str, Picture | None]]) -> Alignment:
+    def _confirmed(self, alignment: Alignment, steady: Mapping[str, SteadyView | None]) -> Alignment:
         """The alignment without the cameras that the pictures refute: they are weak."""
-        steady = {name: steady_view([shown.get(name) for shown in pictures]) for name in alignment.homographies}
         size = size_at_columns(self.sizes[self.reference], self.settings.dense_width)
         reach = round(self.settings.alignment.relief * float(np.hypot(*size)))
         laid = self._laid(self._aligned(alignment, size[0]), steady)

@@ -39,6 +39,11 @@ def transform_points(homography: Homography, points: Array) -> Array:
     return moved[:, :2] / moved[:, 2:]
 
 
+def inverse(matrix: Homography) -> Homography:
+    """(3, 3): the way back, as float64."""
+    return np.asarray(np.linalg.inv(matrix), np.float64)
+
+
 def translation(dx: float, dy: float) -> Homography:
     """(3, 3): a shift by ``dx``, ``dy`` pixels."""
     return np.array([[1.0, 0, dx], [0, 1.0, dy], [0, 0, 1]])

@@ -55,7 +55,7 @@ def cameras() -> tuple[dict[str, AlignedCamera], dict[str, np.ndarray]]:
             with_hand[y : y + 40, x : x + 60] = cloth(50 + 10 * sample + number, (0.4, 0.8, 1.0))[:40, :60]
             pictures.append(seen(with_hand, to_camera, 100 * number + sample))
         shift = np.array([[1, 0, wrong[name][0]], [0, 1, wrong[name][1]], [0, 0, 1]])
-        laid[name] = AlignedCamera(pictures, shift @ np.linalg.inv(to_camera), SIZE)
+        laid[name] = AlignedCamera.by_plane(pictures, shift @ np.linalg.inv(to_camera), SIZE, SIZE)
     return laid, true
 
 
@@ -79,7 +79,7 @@ def test_what_never_shows_the_fields_hue_weighs_less() -> None:
     plane[:, 240:] = cloth(3, (0.3, 1.0, 0.3))[:, 240:]
     one = tilted(0, 0, 0)
     pictures = [seen(plane, one, n) for n in range(4)]
-    views = {name: AlignedCamera(pictures, np.eye(3), SIZE) for name in "ab"}
+    views = {name: AlignedCamera.by_plane(pictures, np.eye(3), SIZE, SIZE) for name in "ab"}
     matches = match_densely(views, area())["a", "b"]
     left, right = matches.a[:, 0] < 230, matches.a[:, 0] > 250
     np.testing.assert_allclose(matches.weight[left], 1.0)
@@ -88,12 +88,12 @@ def test_what_never_shows_the_fields_hue_weighs_less() -> None:
 
 def test_nothing_comes_of_nothing() -> None:
     plane = cloth(4, (0.3, 0.4, 1.0))
-    one = AlignedCamera([plane], np.eye(3), SIZE)
-    blank = AlignedCamera([np.zeros_like(plane)], np.eye(3), SIZE)
+    one = AlignedCamera.by_plane([plane], np.eye(3), SIZE, SIZE)
+    blank = AlignedCamera.by_plane([np.zeros_like(plane)], np.eye(3), SIZE, SIZE)
     assert match_densely({"a": one, "b": one}, np.zeros((270, 480), bool)) == {}
     assert match_densely({"a": one, "b": blank}, area()) == {}
-    assert match_densely({"a": one, "b": AlignedCamera([None], np.eye(3), SIZE)}, area()) == {}
+    assert match_densely({"a": one, "b": AlignedCamera.by_plane([None], np.eye(3), SIZE, SIZE)}, area()) == {}
     assert match_densely({"a": one}, area()) == {}
-    unrelated = AlignedCamera([cloth(5, (0.3, 0.4, 1.0))], np.eye(3), SIZE)
+    unrelated = AlignedCamera.by_plane([cloth(5, (0.3, 0.4, 1.0))], np.eye(3), SIZE, SIZE)
     believed = match_densely({"a": one, "b": unrelated}, area())
     assert sum(len(m) for m in believed.values()) < 0.05 * area().sum() / 36

@@ -1,0 +1,1 @@
+"""The scene as a relief over one plane, seen by all cameras: plane + parallax."""
