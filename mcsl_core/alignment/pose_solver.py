@@ -106,7 +106,6 @@ class PoseSolver:
         steady = {name: steady_view([shown.get(name) for shown in pictures]) for name in first.homographies}
         views = Views(self.reference, self.sizes, steady, pictures)
         found = relief_cameras(views, first.homographies)
-        dense = found[1] if found else {}
         tied = self._together(first, by_points, found and found[0], by_hue, views)
         alignment = self._confirmed(tied, steady)
         _tell_of_weak(alignment, frames, progress)
@@ -114,7 +113,9 @@ class PoseSolver:
         field = resize_mask(by_hue, aligned.size)
         sure = known is not None or bool(by_hue.any() and shared_aim(self._aligned(tied, aligned.size[0])) >= ONE_AIM)
         if known is None:
-            field = field_that_stays(aligned, field, dense) if sure else central_ellipse(aligned.size)
+            field = (
+                field_that_stays(aligned, field, found[1] if found else {}) if sure else central_ellipse(aligned.size)
+            )
         aligned = attrs.evolve(aligned, field=field)
         pose = Pose(
             range=frames,
