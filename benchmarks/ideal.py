@@ -218,7 +218,7 @@ class Watched:
 
     def distances(self, pieces: Sequence[FrameRange]) -> dict[str, dict[str, list[Distance | None]]]:
         """By place and variant, the distances of these frames."""
-        places = places_of(self._field, self._truth, self._geometry, self.shown, pieces)
+        places = places_of(self._field, Hands(self.edl, self._truth), self._geometry, self.shown, pieces)
         found: dict[str, dict[str, list[Distance | None]]] = {place: {} for place in places}
 
         def note(name: str, frame: int, luma: NDArray[np.uint8]) -> None:
@@ -250,18 +250,18 @@ def field_of(source: Path) -> Mask:
 
 
 def places_of(
-    field: Mask, truth: Truth, geometry: TrueGeometry, shown: Sequence[str], pieces: Sequence[FrameRange]
+    field: Mask, people: Hands, geometry: TrueGeometry, shown: Sequence[str], pieces: Sequence[FrameRange]
 ) -> dict[str, dict[int, Mask]]:
     """By frame, what of the field is judged: all of it; without hands; and without heads and arms as well.
 
     Hands are those of the ideal programme and of the chosen camera, heads the chosen camera's.
     """
-    people, wanted = Hands(truth), {frame for piece in pieces for frame in piece}
+    wanted = {frame for piece in pieces for frame in piece}
     places: dict[str, dict[int, Mask]] = {"surface": {}, "bare": {}, "field": dict.fromkeys(wanted, field)}
     in_ideal = people.in_ideal(sorted(wanted))
-    for camera in truth.cameras:
+    for camera in sorted(set(shown)):
         for frame in sorted(f for f in wanted if shown[f] == camera):
-            here, bare = people.in_camera(truth.camera_index(camera), frame), field & ~in_ideal[frame]
+            here, bare = people.in_camera(camera, frame), field & ~in_ideal[frame]
             for place in ("surface", "bare"):
                 hidden = here and (here.hands if place == "bare" else here.all)
                 places[place][frame] = bare if hidden is None else bare & ~geometry.mask(hidden, camera, frame)

@@ -128,14 +128,15 @@ def _length(shift: Points, scale: float) -> NDArray[np.float64]:
 
 def in_movements(programme: edl.Edl, truth: Truth, *, surface: bool) -> NDArray[np.float64]:
     """As `displacements`, of what the programme shows in every third frame of movements; empty without any."""
-    reference, shown, found = truth.camera_index(truth.reference), decisions(programme), [np.zeros(0)]
+    reference, lamp = truth.camera_index(truth.reference), Lamp(programme, truth)
+    shown, found = decisions(programme), [np.zeros(0)]
     for movement in truth.in_movements:
-        for n, frame in enumerate(movement.frames):
-            if frame >= programme.frames:
+        for frame in (int(f) for f in movement.frames if f < programme.frames):
+            index, camera = programme.poses.index(programme.pose_at(frame)), shown[frame].camera
+            first, pinhole = programme.poses[first_of_perspective(programme, index)], lamp.pinhole(camera, frame)
+            if pinhole is None:
                 continue
-            index, camera = programme.poses.index(programme.pose_at(int(frame))), shown[frame].camera
-            first = programme.poses[first_of_perspective(programme, index)]
-            seen = movement.field_points_px[n, truth.camera_index(camera)]
+            seen = pinhole.project(truth.field_points_mm)
             at = to_programme(programme, index, camera, surface=surface)(seen)
             home = true_pose(truth, first).field_points_px[reference]
             found.append(_length(at - home, SHIFT_WIDTH / programme.size[0]))
@@ -193,11 +194,11 @@ def jumps(programme: edl.Edl, truth: Truth, cut: Cut, *, surface: bool) -> tuple
 
     None where a camera has no picture then.
     """
-    lamp, found = Lamp(truth), []
+    lamp, found = Lamp(programme, truth), []
     for lift in (0.0, RAISED_MM):
         points, places, inside = truth.field_points_mm + np.array([0, 0, lift]), [], []
         for frame, camera in ((cut.frame - 1, cut.before), (cut.frame, cut.after)):
-            pinhole = lamp.pinhole(truth.camera_index(camera), frame)
+            pinhole = lamp.pinhole(camera, frame)
             if pinhole is None:
                 return None
             seen = pinhole.project(points)
@@ -212,20 +213,27 @@ def jumps(programme: edl.Edl, truth: Truth, cut: Cut, *, surface: bool) -> tuple
 # ------------------------------------------------------------------------------------------------------- the floor
 
 
-class Lamp:
-    """The true cameras at every programme frame, while the lamp moves, too."""
+def shown_frame(programme: edl.Edl, truth: Truth, camera: str, frame: int) -> int | None:
+    """The camera's own frame that the programme shows at ``frame``, by the clock it was given; None without one."""
+    rate = float(truth.rate)
+    own = int(np.floor(programme.camera(camera).clock.camera_time(frame / float(programme.rate)) * rate + 1e-6))
+    return own if 0 <= own < truth.camera_frames[truth.camera_index(camera)] else None
 
-    def __init__(self, truth: Truth) -> None:
-        self._truth = truth
+
+class Lamp:
+    """The true cameras at every programme frame, while the lamp moves, too: when they took what is shown then."""
+
+    def __init__(self, programme: edl.Edl, truth: Truth) -> None:
+        self._edl, self._truth = programme, truth
         self._rig, self._path = _rig(truth.scenario)
 
-    def pinhole(self, camera: int, frame: int) -> PinholeCamera | None:
-        """The camera of that index when it took what it shows at ``frame``; None where it has no picture then."""
-        own = self._truth.own_frame(camera, frame)
+    def pinhole(self, camera: str, frame: int) -> PinholeCamera | None:
+        """The camera at what it shows at ``frame``; None where it has no picture then."""
+        own, index = shown_frame(self._edl, self._truth, camera, frame), self._truth.camera_index(camera)
         if own is None:
             return None
-        at = self._truth.clocks[camera].programme(own / float(self._truth.rate))
-        return self._rig.camera(camera, self._path.pose(at)[0])
+        at = self._truth.clocks[index].programme(own / float(self._truth.rate))
+        return self._rig.camera(index, self._path.pose(at)[0])
 
 
 @lru_cache(maxsize=4)
@@ -241,7 +249,7 @@ class TrueGeometry:
     """
 
     def __init__(self, programme: edl.Edl, truth: Truth) -> None:
-        self._edl, self._truth, self._lamp = programme, truth, Lamp(truth)
+        self._edl, self._lamp = programme, Lamp(programme, truth)
         home = truth.poses[0].pinhole(truth.camera_index(truth.reference))
         x, y = np.meshgrid(*(np.arange(n, dtype=np.float64) for n in programme.size))
         gx, gy = (g.astype(np.float64) for g in _surface(truth.scenario).intersect(home, np.stack([x, y], -1)))
@@ -251,21 +259,19 @@ class TrueGeometry:
 
     def picture(self, planes: Planes, camera: str, frame: int, colour: bool) -> tuple[Planes, NDArray[np.bool_]] | None:
         """The camera's own picture at ``frame`` as it belongs, and which pixels (H, W) lie inside it."""
-        index = self._truth.camera_index(camera)
-        pinhole = self._lamp.pinhole(index, frame)
+        pinhole = self._lamp.pinhole(camera, frame)
         if pinhole is None:
             return None
-        tables, inside = self._tables((index, pinhole.t.tobytes(), pinhole.R.tobytes()), pinhole)
+        tables, inside = self._tables((camera, pinhole.t.tobytes(), pinhole.R.tobytes()), pinhole)
         made = remap_planes(planes, tables)
         match = self._edl.pose_at(frame).colour.get(camera) if colour else None
         return (made if match is None else apply_colour(made, match)), inside
 
     def mask(self, mask: NDArray[np.bool_], camera: str, frame: int) -> NDArray[np.bool_]:
         """Where a mask of the camera's picture comes to lie, and what lies outside of that."""
-        index = self._truth.camera_index(camera)
-        pinhole = self._lamp.pinhole(index, frame)
+        pinhole = self._lamp.pinhole(camera, frame)
         assert pinhole is not None
-        tables, inside = self._tables((index, pinhole.t.tobytes(), pinhole.R.tobytes()), pinhole)
+        tables, inside = self._tables((camera, pinhole.t.tobytes(), pinhole.R.tobytes()), pinhole)
         return (cv2.remap(mask.astype(np.uint8), tables.luma, None, cv2.INTER_NEAREST) > 0) | ~inside  # pyright: ignore
 
     def _tables(self, key: object, pinhole: PinholeCamera) -> tuple[RemapTables, NDArray[np.bool_]]:

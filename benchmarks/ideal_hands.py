@@ -10,6 +10,8 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
+from benchmarks.ideal_geometry import shown_frame
+from mcsl_core.edl import Edl
 from mcsl_core.simulation import Truth
 from mcsl_core.simulation.ground import Ground
 from mcsl_core.simulation.ideal import ideal_pictures
@@ -50,9 +52,9 @@ class InTheWay:
 class Hands:
     """Masks of who is in the way, by a scene's truth."""
 
-    def __init__(self, truth: Truth) -> None:
+    def __init__(self, programme: Edl, truth: Truth) -> None:
         scene = Scene.of(truth.scenario)
-        self._truth, self._ground = truth, Ground.of(truth.scenario, scene.surface, scene.rig)
+        self._edl, self._truth, self._ground = programme, truth, Ground.of(truth.scenario, scene.surface, scene.rig)
         values = {field.name: getattr(scene, field.name) for field in attrs.fields(Scene)}
         values["scenario"] = attrs.evolve(truth.scenario, noise=0.0)
         self._scenes = Scene(**values), _HandsAlone(**values), _Nobody(**values)
@@ -63,14 +65,14 @@ class Hands:
         drawn = (ideal_pictures(scene, self._ground, frames) for scene in self._scenes[1:])
         return {frame: _apart(one.y, other.y) for frame, one, other in zip(frames, *drawn, strict=True)}
 
-    def in_camera(self, camera: int, frame: int) -> InTheWay | None:
-        """In the picture that the camera of that index shows at a programme frame; None where it has none."""
-        own = self._truth.own_frame(camera, frame)
+    def in_camera(self, camera: str, frame: int) -> InTheWay | None:
+        """In the picture that a camera shows at a programme frame; None where it has none."""
+        own, index = shown_frame(self._edl, self._truth, camera, frame), self._truth.camera_index(camera)
         if own is None:
             return None
-        if self._cameras is None or self._cameras[0] != camera:
-            clock = self._truth.clocks[camera]
-            self._cameras = camera, [CameraPictures(scene, self._ground, camera, clock) for scene in self._scenes]
+        if self._cameras is None or self._cameras[0] != index:
+            clock = self._truth.clocks[index]
+            self._cameras = index, [CameraPictures(scene, self._ground, index, clock) for scene in self._scenes]
         everybody, hands, nobody = (pictures.frame(own)[0].y for pictures in self._cameras[1])
         return InTheWay(_apart(hands, nobody), _apart(everybody, nobody))
 

@@ -21,12 +21,13 @@ from benchmarks.ideal_geometry import (
     in_movements,
     inverse,
     jumps,
+    shown_frame,
     switches,
 )
 from benchmarks.ideal_hands import Hands
 from benchmarks.ideal_page import markdown
 from mcsl_core import edl
-from mcsl_core.edl import IDENTITY, Camera, Edl, Media, Movement, Pose, Shot
+from mcsl_core.edl import IDENTITY, Camera, Clock, Edl, Media, Movement, Pose, Shot
 from mcsl_core.imaging.geometry import to_edl_matrix
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import Scenario, Truth, best_plane, simulate
@@ -161,17 +162,17 @@ def test_jumps_at_switches(flat) -> None:
 def test_the_floor_lays_every_camera_where_the_ideal_has_it_in_movements_too(flat) -> None:
     out, truth = flat
     ideal, seen = pictures(out / "ideal" / "ideal.mp4"), {c: pictures(out / f"{c}.mp4") for c in truth.cameras}
-    geometry, hands = TrueGeometry(programme(truth), truth), Hands(truth)
+    geometry, hands = TrueGeometry(programme(truth), truth), Hands(programme(truth), truth)
     in_ideal = hands.in_ideal(range(truth.frames))
     start, _ = truth.movements[0]
     mask = np.zeros(ideal[0].y.shape, bool)
     mask[40:140, 80:240] = True
-    for index, camera in enumerate(truth.cameras):
+    for camera in truth.cameras:
         for frame in (2, start + 2, truth.frames - 2):
             own = truth.own_frame(camera, frame)
             assert own is not None
             laid, inside = geometry.picture(seen[camera][own], camera, frame, colour=False)  # pyright: ignore
-            here = hands.in_camera(index, frame)
+            here = hands.in_camera(camera, frame)
             assert here is not None
             bare = mask & inside & ~in_ideal[frame] & ~geometry.mask(here.all, camera, frame)
             assert bare.sum() > 2000
@@ -186,7 +187,20 @@ def test_the_floor_lays_every_camera_where_the_ideal_has_it_in_movements_too(fla
     still, inside = geometry.picture(seen["cam1"][2], "cam1", 2, colour=False)  # pyright: ignore
     assert inside[1:-1, 1:-1].all()
     assert psnr(still.y, seen["cam1"][2].y) > 40
-    assert Lamp(truth).pinhole(0, 10_000) is None
+    assert Lamp(programme(truth), truth).pinhole("cam1", 10_000) is None
+
+
+def test_what_is_shown_goes_by_the_clock_that_the_camera_was_given(flat) -> None:
+    _, truth = flat
+    made = programme(truth)
+    late = attrs.evolve(made.cameras[1], clock=Clock(offset_s=0.4))
+    wrong = attrs.evolve(made, cameras=(made.cameras[0], late))
+    assert shown_frame(made, truth, "cam2", 7) == 7
+    assert shown_frame(wrong, truth, "cam2", 7) == 5
+    assert shown_frame(wrong, truth, "cam2", 1) is None
+    frame = truth.movements[0][0] + 2
+    centres = [Lamp(p, truth).pinhole("cam2", frame).centre_mm for p in (made, wrong)]  # pyright: ignore
+    assert np.linalg.norm(centres[1] - centres[0]) > 1
 
 
 def test_frames_are_told_apart(flat) -> None:
