@@ -117,15 +117,8 @@ class PoseSolver:
                 field_that_stays(aligned, field, found[1] if found else {}) if sure else central_ellipse(aligned.size)
             )
         aligned = attrs.evolve(aligned, field=field)
-        pose = Pose(
-            range=frames,
-            homographies={name: to_edl_matrix(h) for name, h in alignment.homographies.items()},
-            colour=_colours(aligned, pictures),
-            solved_from=tuple(samples.frames[i] for i in clear),
-            residual_px={n: round(v, 3) for n, v in alignment.residual_px.items()},
-            support=dict(alignment.support),
-            weak=alignment.weak,
-        )
+        pose = attrs.evolve(_pose(frames, alignment), solved_from=tuple(samples.frames[i] for i in clear))
+        pose = attrs.evolve(pose, colour=_colours(aligned, pictures))
         kept = {name: Observations(own.features[::4], own.field) for name, own in observations.items()}
         return SolvedPose(pose, aligned, tuple(for_dense), kept, PICTURES if sure else MIDDLE)
 
@@ -216,6 +209,17 @@ class PoseSolver:
         size = size_at_columns(self.sizes[self.reference], columns)
         nowhere = np.zeros((size[1], size[0]), bool)
         return AlignedPose(size, self.reference, alignment.homographies, self.sizes, nowhere)
+
+
+def _pose(frames: FrameRange, alignment: Alignment) -> Pose:
+    """What the EDL says of an alignment."""
+    return Pose(
+        range=frames,
+        homographies={name: to_edl_matrix(h) for name, h in alignment.homographies.items()},
+        residual_px={n: round(v, 3) for n, v in alignment.residual_px.items()},
+        support=dict(alignment.support),
+        weak=alignment.weak,
+    )
 
 
 def _tell_of_weak(alignment: Alignment, frames: FrameRange, progress: Progress) -> None:
