@@ -27,6 +27,7 @@ from mcsl_core.edl import (
     Movement,
     Override,
     Pose,
+    Relief,
     Shot,
     Weak,
 )
@@ -98,6 +99,7 @@ def overrides(frames: int, cameras: Sequence[str]) -> SearchStrategy[Override]:
         centering=maybe,
         fill=maybe,
         colour=maybe,
+        surface=maybe,
         offset=st.none() | st.tuples(numbers(-500, 500), numbers(-500, 500)),
         note=texts,
     )
@@ -159,6 +161,21 @@ def cameras(draw: DrawFn, name: str, frames: int) -> Camera:
 
 
 @st.composite
+def reliefs(draw: DrawFn, known: Sequence[str]) -> Relief:
+    rows, columns = draw(st.integers(2, 4)), draw(st.integers(2, 4))
+
+    def grid(values: SearchStrategy[Any]) -> Any:
+        row = st.lists(values, min_size=columns, max_size=columns).map(tuple)
+        return tuple(draw(st.lists(row, min_size=rows, max_size=rows)))
+
+    projection = st.tuples(homographies(), st.tuples(*[numbers(-100, 100)] * 3)).map(
+        lambda both: tuple((*row, own) for row, own in zip(*both, strict=True))
+    )
+    projections = draw(st.dictionaries(st.sampled_from(known), projection, min_size=1, max_size=len(known)))
+    return Relief(projections, grid(numbers(-50, 50)), grid(st.integers(0, 100)))
+
+
+@st.composite
 def poses(draw: DrawFn, piece: FrameRange, frames: int, known: Sequence[str], reference: str) -> Pose:
     weak = [n for n in known if n != reference and draw(st.booleans())]
     tied = [n for n in known if n not in weak or (n != reference and draw(st.booleans()))]
@@ -173,6 +190,7 @@ def poses(draw: DrawFn, piece: FrameRange, frames: int, known: Sequence[str], re
         residual_px=draw(st.dictionaries(st.sampled_from(known), numbers(0, 100), **some)),
         support=draw(st.dictionaries(st.sampled_from(known), st.integers(0, 10**5), **some)),
         weak=tuple(Weak(n, draw(texts)) for n in weak),
+        relief=draw(st.none() | reliefs(known)),
     )
 
 
@@ -202,7 +220,7 @@ def edls(draw: DrawFn, max_frames: int = 300) -> Edl:
         corrections=tuple(draw(st.lists(corrections(frames, known), max_size=2))),
         fields=tuple(draw(field_stretches(r)) for r in draw(ordered_ranges(frames))),
         drawn_fields=tuple(draw(st.lists(drawn_fields(frames), max_size=2))),
-        look=Look(*draw(st.tuples(st.booleans(), st.booleans(), st.booleans()))),
+        look=Look(*draw(st.tuples(*[st.booleans()] * 4))),
         centering=draw(centering_keys(frames)),
         scores=draw(st.none() | paths),
         made_by=draw(
@@ -231,5 +249,5 @@ def decided_edls(draw: DrawFn) -> Edl:
         poses=(Pose(FrameRange(0, frames), dict.fromkeys(known, IDENTITY)),),
         shots=tuple(Shot(r, draw(st.sampled_from(known))) for r in draw(tilings(frames))),
         overrides=tuple(draw(st.lists(overrides(frames, known), max_size=6))),
-        look=Look(*draw(st.tuples(st.booleans(), st.booleans(), st.booleans()))),
+        look=Look(*draw(st.tuples(*[st.booleans()] * 4))),
     )

@@ -29,8 +29,8 @@ from .field import FoundDrawing, take_drawing
 from .strip_plan import automatic_cameras
 from .times import FoundFilm, FoundShot, SceneTime, check_times
 
-FIELDS = ("camera", "centering", "fill", "colour", "offset")
-READ = ("camera", "centering", "fill", "colour", "offset")  # what a Programme strip can say
+FIELDS = ("camera", "centering", "fill", "colour", "surface", "offset")
+READ = ("camera", "centering", "fill", "colour", "surface", "offset")  # what a Programme strip can say
 AUTOMATIC = "automatic"  # said of a centre: no longer by hand
 
 
@@ -44,7 +44,7 @@ class FoundStrip:
         The programme frames [start, stop) that it covers; they may reach outside the programme.
     source
         The channel it shows.
-    centering, fill, colour
+    centering, fill, colour, surface
         The editor's switch on this strip; None says nothing.
     offset
         The centre by hand, (dx, dy) in programme pixels, y down; AUTOMATIC takes one back, None says nothing.
@@ -61,6 +61,7 @@ class FoundStrip:
     centering: bool | None = None
     fill: bool | None = None
     colour: bool | None = None
+    surface: bool | None = None
     offset: tuple[float, float] | Literal["automatic"] | None = None
     id: str = ""
 
@@ -76,7 +77,7 @@ class SequencerState:
     automatic
         The automatic choice that the timeline was built from; None where it is not known: then the EDL's holds.
     look
-        What was switched for the whole programme: centering, fill or colour, and to what.
+        What was switched for the whole programme: centering, fill, colour or surface, and to what.
     drawing
         The surgical field drawn by hand since the EDL was written; None where nothing was.
     notes
@@ -128,7 +129,7 @@ def read_overrides(edl: Edl, state: SequencerState) -> tuple[Override, ...]:
     segments = _Segments(edl.frames, _all_ranges(edl, state, automatic))
     top = segments.paint([(s.start, s.stop, s) for s in sorted(state.strips, key=lambda s: s.channel) if not s.muted])
     changes = {"camera": _camera_changes(edl, state, segments, top, automatic)}
-    for name in ("centering", "fill", "colour", "offset"):
+    for name in READ[1:]:
         changes[name] = _look_changes(edl, name, segments, top)
     kept = [piece for override in edl.overrides for piece in _less(override, segments, changes)]
     return _with_new(kept, _new_decisions(segments, changes))

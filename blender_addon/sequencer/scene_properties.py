@@ -45,6 +45,7 @@ LOOK_FOR_ALL = {  # a part of the look that was switched for the whole programme
     "centering": "mcsl_look_centering",
     "fill": "mcsl_look_fill",
     "colour": "mcsl_look_colour",
+    "surface": "mcsl_look_surface",
 }
 
 # Of a strip.
@@ -56,6 +57,7 @@ LOOK_OF_SHOT = {  # Programme strip: a part of the look that was switched for th
     "centering": "mcsl_centering",
     "fill": "mcsl_fill",
     "colour": "mcsl_colour",
+    "surface": "mcsl_surface",
 }
 CENTRE = "mcsl_offset"  # Programme strip: the centre by hand, [dx, dy] in programme pixels, or "automatic"
 FALLEN = "mcsl_fallen"  # conformed strip: muted by us, as one of the two below; what the editor mutes has none

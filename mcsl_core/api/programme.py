@@ -135,6 +135,7 @@ class Programme(Fields):
         centering: bool | None = None,
         fill: bool | None = None,
         colour: bool | None = None,
+        surface: bool | None = None,
         offset: tuple[float, float] | None = None,
         note: str = "",
     ) -> None:
@@ -146,7 +147,7 @@ class Programme(Fields):
             First frame, and the first one after it.
         camera : str, optional
             The camera shown.
-        centering, fill, colour : bool, optional
+        centering, fill, colour, surface : bool, optional
             The visual aids, on or off.
         offset : (float, float), optional
             Centering by hand, in programme pixels, right and down.
@@ -168,6 +169,7 @@ class Programme(Fields):
             "centering": centering,
             "fill": fill,
             "colour": colour,
+            "surface": surface,
             "offset": offset,
         }
         if all(value is None for value in decided.values()):

@@ -171,7 +171,7 @@ class _Composited:
 def _with_look(decision: Decision, look: Look | None) -> Decision:
     if look is None:
         return decision
-    return attrs.evolve(decision, centering=look.centering, fill=look.fill, colour=look.colour)
+    return attrs.evolve(decision, **attrs.asdict(look))
 
 
 def remembered(start: int) -> tuple[int, ...]:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import attrs
 import numpy as np
 
-from mcsl_core.edl import IDENTITY, Edl, Pose
+from mcsl_core.edl import IDENTITY, Edl, Pose, Relief
 from mcsl_core.edl.field import at_size
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.protocol import Filler
 from mcsl_core.hooks.registry import filler_offer
-from mcsl_core.imaging.geometry import scaling, to_edl_matrix
+from mcsl_core.imaging.geometry import Homography, scaling, to_edl_matrix, to_edl_projection
 from mcsl_core.imaging.planes import Planes
 from mcsl_core.recording.footage import Footage, Player
 from mcsl_core.timing import FrameRange
@@ -68,6 +68,7 @@ def proxy_edl(edl: Edl, size: tuple[int, int]) -> Edl:
                 for name, h in pose.homographies.items()
             },
             anchor=to_edl_matrix(programme @ np.array(pose.anchor) @ np.linalg.inv(ground)),
+            relief=pose.relief and _relief_at_size(pose.relief, shrink, programme),
         )
 
     x, y = size[0] / edl.size[0], size[1] / edl.size[1]
@@ -90,6 +91,14 @@ def proxy_edl(edl: Edl, size: tuple[int, int]) -> Edl:
         overrides=overrides,
         centering=tuple((frame, dx * x, dy * y) for frame, dx, dy in edl.centering),
     )
+
+
+def _relief_at_size(relief: Relief, cameras: Mapping[str, Homography], programme: Homography) -> Relief:
+    """Seen in smaller pictures; matrices from full-size pixels to theirs. The grid's corners move by half a pixel."""
+    back = np.eye(4)
+    back[np.ix_([0, 1, 2], [0, 1, 2])] = np.linalg.inv(programme)
+    made = {name: cameras[name] @ np.array(p) @ back for name, p in relief.projections.items()}
+    return attrs.evolve(relief, projections={name: to_edl_projection(p) for name, p in made.items()})
 
 
 def proxy_filler(edl: Edl, size: tuple[int, int]) -> Filler:

@@ -5,20 +5,20 @@ follows from a document stands beside: `resolve` (what holds after the editor's 
 pictures lie), `edits` (changes to a whole document).
 """
 
+from .colour import Colour, Matrix34
 from .field import DrawnField, FieldStretch
 from .outside import allowed_outside, remember
+from .relief import Relief
 from .schema import (
     IDENTITY,
     Camera,
     CenteringKey,
     Clock,
-    Colour,
     Correction,
     Edl,
     Look,
     MadeBy,
     Matrix,
-    Matrix34,
     Media,
     Movement,
     Override,
@@ -47,6 +47,7 @@ __all__ = [
     "Movement",
     "Override",
     "Pose",
+    "Relief",
     "Shot",
     "Weak",
     "allowed_outside",

@@ -30,6 +30,17 @@ def require(condition: bool, what: str, at: str) -> None:
         raise Fault(what, at)
 
 
+def check_matrix(matrix: Any, at: str) -> None:
+    """`Fault` where a matrix is no 3x3 homography, scaled so that its last element is 1."""
+    shape_is_right = isinstance(matrix, tuple) and [len(row) for row in matrix] == [3, 3, 3]
+    require(shape_is_right, f"must be a tuple of three rows of three numbers, got {matrix!r}", at)
+    NUMBERS.check(matrix, at)
+    (a, b, c), (d, e, f), (g, h, i) = matrix
+    require(abs(i - 1) < 1e-9, f"must be scaled so that its last element is 1, got {i}", f"{at}[2][2]")
+    determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+    require(abs(determinant) > 1e-12, "is singular: it maps the picture to a line or a point", at)
+
+
 @frozen
 class FileName(NotEmpty):
     """Validator: a text that can be the path of a file."""

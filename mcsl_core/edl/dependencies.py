@@ -12,9 +12,10 @@ from attrs import frozen
 
 from mcsl_core.timing import FrameRange
 
+from .colour import Matrix34
 from .placement import first_of_perspective, other_poses, placement_matrix, still_range
 from .resolve import Decision, offset_at
-from .schema import Camera, Edl, Matrix, Matrix34, Pose
+from .schema import Camera, Edl, Matrix, Pose
 
 Offset = tuple[float, float]
 _LATE = 2  # frames: a first picture that is late by no more stands from the beginning

@@ -166,6 +166,7 @@ def change_look(
     centering: bool | None = None,
     fill: bool | None = None,
     colour: bool | None = None,
+    surface: bool | None = None,
     offset: tuple[float, float] | None = None,
     piece: FrameRange | None = None,
 ) -> Edl:
@@ -175,14 +176,15 @@ def change_look(
     ----------
     edl
         The document.
-    centering, fill, colour
+    centering, fill, colour, surface
         On or off; as it was without.
     offset
         Centering by hand, (dx, dy) in programme pixels: an override, also over the whole programme.
     piece
         Where it holds, as an override; without, the whole programme's look is switched and overrides stay.
     """
-    aids = {n: v for n, v in (("centering", centering), ("fill", fill), ("colour", colour)) if v is not None}
+    given = {"centering": centering, "fill": fill, "colour": colour, "surface": surface}
+    aids = {name: value for name, value in given.items() if value is not None}
     if not aids and offset is None:
         return edl
     if piece is None and aids:

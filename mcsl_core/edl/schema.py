@@ -33,14 +33,14 @@ from .checks import (
     SIDES,
     UNIT,
     FileName,
+    check_matrix,
     require,
 )
+from .colour import Colour
 from .field import DrawnField, FieldStretch
+from .relief import Relief
 
 Matrix = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
-Matrix34 = tuple[
-    tuple[float, float, float, float], tuple[float, float, float, float], tuple[float, float, float, float]
-]
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
@@ -54,16 +54,6 @@ def _positive_rate(_: Any, attribute: attrs.Attribute[Any], value: Fraction) -> 
 def _pair(_: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
     numbers = isinstance(value, tuple) and len(value) == 2 and all(isinstance(each, Real) for each in value)
     require(numbers, f"expected two numbers, got {value!r}", f".{attribute.name}")
-
-
-def _check_matrix(matrix: Matrix, at: str) -> None:
-    shape_is_right = isinstance(matrix, tuple) and [len(row) for row in matrix] == [3, 3, 3]
-    require(shape_is_right, f"must be a tuple of three rows of three numbers, got {matrix!r}", at)
-    NUMBERS.check(matrix, at)
-    (a, b, c), (d, e, f), (g, h, i) = matrix
-    require(abs(i - 1) < 1e-9, f"must be scaled so that its last element is 1, got {i}", f"{at}[2][2]")
-    determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
-    require(abs(determinant) > 1e-12, "is singular: it maps the picture to a line or a point", at)
 
 
 @frozen
@@ -131,16 +121,6 @@ class Weak:
 
 
 @frozen
-class Colour:
-    """Matches a camera's colours to the reference camera's."""
-
-    matrix: Matrix34 = field(
-        validator=NUMBERS,
-        metadata=doc("[Y', Cb, Cr, 1] of the camera, BT.709 limited range, 8-bit codes -> of the reference camera"),
-    )
-
-
-@frozen
 class Pose:
     """A stretch in which the lamp stands still, and how every camera then sees the programme's perspective."""
 
@@ -167,11 +147,14 @@ class Pose:
         metadata=doc("camera -> distinct 4-pixel cells its matches come from"),
     )
     weak: tuple[Weak, ...] = field(default=(), metadata=doc("cameras that could not be tied in, and why"))
+    relief: Relief | None = field(
+        default=None, metadata=doc("the scene's relief over the plane; without, it is taken as plane", optional=True)
+    )
 
     def __attrs_post_init__(self) -> None:
         for name, matrix in self.homographies.items():
-            _check_matrix(matrix, f".homographies{key_path(name)}")
-        _check_matrix(self.anchor, ".anchor")
+            check_matrix(matrix, f".homographies{key_path(name)}")
+        check_matrix(self.anchor, ".anchor")
 
     @property
     def weak_cameras(self) -> frozenset[str]:
@@ -198,6 +181,7 @@ class Override:
     centering: bool | None = field(default=None, metadata=doc("centering on or off", optional=True))
     fill: bool | None = field(default=None, metadata=doc("fill on or off", optional=True))
     colour: bool | None = field(default=None, metadata=doc("colour matching on or off", optional=True))
+    surface: bool | None = field(default=None, metadata=doc("alignment by the relief on or off", optional=True))
     offset: tuple[float, float] | None = field(
         default=None,
         validator=optional([_pair, NUMBERS]),
@@ -206,7 +190,7 @@ class Override:
     note: str = field(default="", metadata=doc("the editor's remark", optional=True))
 
     def __attrs_post_init__(self) -> None:
-        for name in ("centering", "fill", "colour"):
+        for name in ("centering", "fill", "colour", "surface"):
             value = getattr(self, name)
             require(value is None or isinstance(value, bool), f"expected true or false, got {value!r}", f".{name}")
 
@@ -221,7 +205,7 @@ class Correction:
     note: str = field(default="", metadata=doc("the editor's remark", optional=True))
 
     def __attrs_post_init__(self) -> None:
-        _check_matrix(self.matrix, ".matrix")
+        check_matrix(self.matrix, ".matrix")
 
 
 @frozen
@@ -231,6 +215,7 @@ class Look:
     centering: bool = field(default=True, metadata=doc("shift the surgical field to the middle"))
     fill: bool = field(default=True, metadata=doc("fill pixels the warp leaves empty from other cameras"))
     colour: bool = field(default=True, metadata=doc("match each camera's colours to the reference camera"))
+    surface: bool = field(default=True, metadata=doc("align by the pose's relief, where it has one"))
 
 
 @frozen
@@ -334,6 +319,8 @@ class Edl:
             at = f".poses[{index}]"
             for part in ("homographies", "colour", "residual_px", "support"):
                 self._check_names((f"{at}.{part}{key_path(name)}", name) for name in getattr(pose, part))
+            reliefs = () if pose.relief is None else pose.relief.projections
+            self._check_names((f"{at}.relief.projections{key_path(name)}", name) for name in reliefs)
             self._check_names((f"{at}.weak[{i}].camera", w.camera) for i, w in enumerate(pose.weak))
             missing = [n for n in names if n not in pose.homographies and n not in pose.weak_cameras]
             require(not missing, f"lacks {', '.join(missing)}, not weak either", f"{at}.homographies")

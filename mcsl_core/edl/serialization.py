@@ -19,11 +19,13 @@ from mcsl_core.errors import DocumentError
 from .outside import check_inside
 from .schema import Edl
 
-SCHEMA = "mcsl.edl/1"
+SCHEMA = "mcsl.edl/2"
 _REMEDY = "Hand in the file that `mcsl analyse` wrote"
 _converter = make_converter()
 # schema -> function from its JSON value to the next schema's
-_UPGRADES: dict[str, Callable[[dict[str, Any]], dict[str, Any]]] = {}
+_UPGRADES: dict[str, Callable[[dict[str, Any]], dict[str, Any]]] = {
+    "mcsl.edl/1": lambda value: {**value, "schema": "mcsl.edl/2"},  # it had no reliefs: its poses are planes
+}
 
 
 def from_json(value: Any, *, where: str = "") -> Edl:

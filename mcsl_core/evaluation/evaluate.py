@@ -36,7 +36,8 @@ def without_alignment(edl: Edl) -> Edl:
     """The same shots with every picture as its camera took it: no warp, no look; the paper's No-alignment."""
     names = [c.name for c in edl.cameras]
     poses = tuple(
-        attrs.evolve(p, homographies=dict.fromkeys(names, IDENTITY), anchor=IDENTITY, weak=()) for p in edl.poses
+        attrs.evolve(p, homographies=dict.fromkeys(names, IDENTITY), anchor=IDENTITY, relief=None, weak=())
+        for p in edl.poses
     )
     return attrs.evolve(edl, poses=poses, corrections=(), look=Look(centering=False, fill=False, colour=False))
 

@@ -381,5 +381,6 @@ def _aligned_pose(edl: Edl, pose: Pose, matrices: Mapping[str, Matrix]) -> Pose:
         pose,
         homographies={edl.reference: IDENTITY, **homographies},
         anchor=to_edl_matrix(anchor),
+        relief=None,
         weak=tuple(Weak(name, "not aligned by hand") for name in lacking),
     )

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mcsl_core.edl import Matrix
+from mcsl_core.edl import Matrix, Matrix34
 from mcsl_core.edl.placement import fit_matrix
 
 Array = NDArray[np.float64]
@@ -62,5 +62,12 @@ def size_at_columns(size: tuple[int, int], columns: int) -> tuple[int, int]:
 def to_edl_matrix(homography: ArrayLike) -> Matrix:
     """A 3x3 array as the EDL writes it, scaled so that the last element is 1."""
     matrix = np.asarray(homography, np.float64)
+    rows = [tuple(float(v) for v in row) for row in matrix / matrix[2, 2]]
+    return rows[0], rows[1], rows[2]  # pyright: ignore[reportReturnType]
+
+
+def to_edl_projection(projection: ArrayLike) -> Matrix34:
+    """A 3x4 array as the EDL writes it, scaled so that [2, 2] is 1."""
+    matrix = np.asarray(projection, np.float64)
     rows = [tuple(float(v) for v in row) for row in matrix / matrix[2, 2]]
     return rows[0], rows[1], rows[2]  # pyright: ignore[reportReturnType]

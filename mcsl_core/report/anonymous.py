@@ -62,6 +62,7 @@ def _pose(pose: Pose, names: Mapping[str, str]) -> Pose:
         colour=renamed(pose.colour),
         residual_px=renamed(pose.residual_px),
         support=renamed(pose.support),
+        relief=pose.relief and attrs.evolve(pose.relief, projections=renamed(pose.relief.projections)),
         weak=tuple(
             attrs.evolve(w, camera=names[w.camera], reason=word.sub(lambda found: names[found[0]], w.reason))
             for w in pose.weak

@@ -350,7 +350,7 @@ def _with_unit(value: float, unit: str, share: bool) -> str:
 
 def _override_words(override: Override) -> str:
     words = [override.camera] if override.camera else []
-    for name in ("centering", "fill", "colour"):
+    for name in ("centering", "fill", "colour", "surface"):
         value = getattr(override, name)
         if value is not None:
             words.append(f"{name} {'on' if value else 'off'}")

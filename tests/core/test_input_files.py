@@ -49,7 +49,7 @@ IN_ITS_PLACE = {
     "nothing in it": (lambda p: p.write_bytes(b""), "is not JSON"),
     "half": (lambda p: p.write_bytes(b'{"schema": "mcsl.edl/1", "rat'), "line 1, column 26: is not JSON"),
     "a list": (lambda p: p.write_text("[]"), "an EDL is a JSON object"),
-    "another's": (lambda p: p.write_text("{}"), "is missing; expected 'mcsl.edl/1'"),
+    "another's": (lambda p: p.write_text("{}"), "is missing; expected 'mcsl.edl/2'"),
 }
 
 

@@ -25,6 +25,7 @@ AIDS = [
     ("centering", "Centering", "Shift the surgical field to the middle of the picture"),
     ("fill", "Fill", "Fill what the camera does not see from the other cameras"),
     ("colour", "Colour", "Match each camera's colours to the reference camera's"),
+    ("surface", "Surface", "Align the cameras by the relief of the field, not by a plane"),
 ]
 
 

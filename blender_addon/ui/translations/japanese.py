@@ -18,6 +18,7 @@ JAPANESE: dict[str, str] = {
     "Centering": "センタリング",
     "Fill": "フィル",
     "Colour": "色合わせ",
+    "Surface": "起伏合わせ",
     "All": "全体",
     "Shot": "ショット",
     "On": "オン",
@@ -153,6 +154,7 @@ JAPANESE: dict[str, str] = {
     "Shift the surgical field to the middle of the picture": "術野を画面の中央に寄せます",
     "Fill what the camera does not see from the other cameras": "カメラに写らない所を、ほかのカメラの映像で埋めます",
     "Match each camera's colours to the reference camera's": "各カメラの色を基準カメラに合わせます",
+    "Align the cameras by the relief of the field, not by a plane": "平面ではなく術野の起伏に沿ってカメラを合わせます",
     "for the whole programme": "本編全体",
     "for the shot at the playhead": "再生ヘッドのショット",
     "Click the middle of the field in the preview: the shot at the playhead is centred on it": (

@@ -19,7 +19,7 @@ from mcsl_core.errors import Fault, UsageError
 from mcsl_core.outputs.locks import changing
 from mcsl_core.timing import format_time
 
-AIDS = ("centering", "fill", "colour")
+AIDS = ("centering", "fill", "colour", "surface")
 
 
 def change_file(
@@ -90,6 +90,7 @@ def _word(on: bool) -> str:
 @click.option("--centering/--no-centering", default=None, help="Shift the surgical field to the middle.")
 @click.option("--fill/--no-fill", default=None, help="Fill what the chosen camera does not see.")
 @click.option("--colour/--no-colour", default=None, help="Match the cameras' colours.")
+@click.option("--surface/--no-surface", default=None, help="Align by the relief, where one was found.")
 @click.option("--centre", metavar="DX,DY", help="Shift by this much in programme pixels, in place of the automatic.")
 @click.option("--from", "start", metavar="TIME", help="Only from here on: 1:02:03.5 or seconds.")
 @click.option("--to", "stop", metavar="TIME", help="Only up to here.")

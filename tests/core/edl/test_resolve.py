@@ -24,6 +24,7 @@ from mcsl_core.edl import (
     Media,
     Override,
     Pose,
+    Relief,
     Shot,
     dumps,
     from_json,
@@ -141,15 +142,33 @@ def test_an_older_schema_is_upgraded_step_by_step(monkeypatch, tmp_path):
     assert json.dumps(old) == as_read, "what was handed in is not changed"
 
 
+@given(edls())
+def test_a_document_of_schema_1_means_what_it_meant(edl):
+    """It has no reliefs: whatever the look says of them, its poses are planes."""
+    plain = attrs.evolve(edl, poses=tuple(attrs.evolve(p, relief=None) for p in edl.poses))
+    old = {**to_json(plain), "schema": "mcsl.edl/1"}
+    old["look"] = {name: value for name, value in old["look"].items() if name != "surface"}
+    assert from_json(old) == attrs.evolve(plain, look=attrs.evolve(plain.look, surface=True))
+
+
+def test_a_relief_is_written_a_row_a_line():
+    gamma = tuple(tuple(round(0.01 * (x - y), 2) for x in range(96)) for y in range(54))
+    relief = Relief({"cam1": ((1.0, 0, 0, 1), (0, 1.0, 0, 0), (0, 0, 1.0, 0))}, gamma, ((50,) * 96,) * 54)
+    edl = small()
+    made = attrs.evolve(edl, poses=(attrs.evolve(edl.poses[0], relief=relief), *edl.poses[1:]))
+    assert loads(dumps(made)) == made
+    assert len(dumps(made).splitlines()) - len(dumps(edl).splitlines()) < 2 * 54 + 40
+
+
 @pytest.mark.parametrize(
     ("schema", "what", "remedy"),
     [
-        ("mcsl.edl/2", "is 'mcsl.edl/2', newer than this mcsl; expected 'mcsl.edl/1'", "Install a newer mcsl"),
+        ("mcsl.edl/3", "is 'mcsl.edl/3', newer than this mcsl; expected 'mcsl.edl/2'", "Install a newer mcsl"),
         ("mcsl.edl/10", "newer than this mcsl", "Install a newer mcsl"),
         ("mcsl.edl/0", "is 'mcsl.edl/0'; expected", "Hand in the file"),
         ("mcsl.edl/²", "is 'mcsl.edl/²'; expected", "Hand in the file"),
         ("otio/9", "is 'otio/9'; expected", "Hand in the file"),
-        (["mcsl.edl/1"], "expected 'mcsl.edl/1'", "Hand in the file"),
+        (["mcsl.edl/1"], "expected 'mcsl.edl/2'", "Hand in the file"),
         (None, "is None; expected", "Hand in the file"),
     ],
 )
@@ -162,7 +181,7 @@ def test_another_schema_is_refused_by_name(schema, what, remedy):
 
 
 def test_a_document_without_a_schema_is_refused():
-    with pytest.raises(DocumentError, match=r"^\$\.schema: is missing; expected 'mcsl\.edl/1'"):
+    with pytest.raises(DocumentError, match=r"^\$\.schema: is missing; expected 'mcsl\.edl/2'"):
         from_json({"frames": 3})
 
 
@@ -189,13 +208,13 @@ def test_a_missing_file_is_named(tmp_path):
 def decide_frame_by_frame(edl: Edl) -> list[tuple]:
     """The oracle: paints the overrides over the automatic decisions, one after another, frame by frame."""
     camera = [next(s.camera for s in edl.shots if s.range.start <= f < s.range.stop) for f in range(edl.frames)]
-    rows = [[c, edl.look.centering, edl.look.fill, edl.look.colour, False, None] for c in camera]
+    rows = [[c, edl.look.centering, edl.look.fill, edl.look.colour, edl.look.surface, False, None] for c in camera]
     for o in edl.overrides:
         for f in range(o.range.start, o.range.stop):
-            for column, value in [*enumerate([o.camera, o.centering, o.fill, o.colour]), (5, o.offset)]:
+            for column, value in [*enumerate([o.camera, o.centering, o.fill, o.colour, o.surface]), (6, o.offset)]:
                 if value is not None:
                     rows[f][column] = value
-                    rows[f][4] = True
+                    rows[f][5] = True
     return [tuple(row) for row in rows]
 
 
@@ -218,10 +237,10 @@ def test_an_override_put_last_always_wins(edl, data):
     start = data.draw(st.integers(0, edl.frames - 1))
     stop = data.draw(st.integers(start + 1, edl.frames))
     camera = data.draw(st.sampled_from([c.name for c in edl.cameras]))
-    centering, fill, colour = (data.draw(st.booleans()) for _ in range(3))
-    last = Override(R(start, stop), camera=camera, centering=centering, fill=fill, colour=colour, offset=(2.0, -1.0))
+    look = {aid: data.draw(st.booleans()) for aid in ("centering", "fill", "colour", "surface")}
+    last = Override(R(start, stop), camera=camera, **look, offset=(2.0, -1.0))
     decided = frame_by_frame(resolve(attrs.evolve(edl, overrides=(*edl.overrides, last))))
-    assert set(decided[start:stop]) == {(camera, centering, fill, colour, True, (2.0, -1.0))}
+    assert set(decided[start:stop]) == {(camera, *look.values(), True, (2.0, -1.0))}
     before = frame_by_frame(resolve(edl))
     assert decided[:start] == before[:start]
     assert decided[stop:] == before[stop:]

@@ -101,7 +101,7 @@ def test_a_value_of_the_wrong_kind_is_refused_at_its_path(validator, edl, data):
 @given(edls(), st.data())
 def test_an_unknown_key_is_refused_at_its_path(validator, edl, data):
     value = json.loads(json.dumps(to_json(edl)))
-    maps = {"homographies", "colour", "residual_px", "support", "plugins"}
+    maps = {"homographies", "projections", "colour", "residual_px", "support", "plugins"}
     classes = [((), value)] + [
         (p, v) for p, v in nodes(value) if isinstance(v, dict) and not (p[-1] in maps and p[0] != "look")
     ]
@@ -119,6 +119,7 @@ REQUIRED = {
     ("movements",): {"range"},
     ("poses",): {"range", "homographies"},
     ("poses", "weak"): {"camera", "reason"},
+    ("poses", "relief"): {"projections", "gamma", "confidence"},
     ("shots",): {"range", "camera"},
     ("overrides",): {"range"},
     ("corrections",): {"range", "camera", "matrix"},
@@ -171,6 +172,11 @@ def full() -> dict[str, Any]:
     value = json.loads(json.dumps(to_json(edl)))
     value["cameras"][0]["gaps"] = [[3, 6], [6, 8]]
     value["poses"][0]["colour"] = {"cam2": {"matrix": [[1.0, 0.0, 0.0, 4.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0]]}}
+    value["poses"][0]["relief"] = {
+        "projections": {"cam2": [[1.0, 0.0, 4.0, 1.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0]]},
+        "gamma": [[0.0, 1.5, 0.0], [0.25, -3.0, 0.0]],
+        "confidence": [[0, 100, 0], [50, 20, 7]],
+    }
     return value
 
 
@@ -231,6 +237,23 @@ WRONG = [
     ("$.poses[1].anchor[2][2]", 0.0, None, "scaled so that its last element is 1", False),
     ("$.poses[1].perspective", -1, None, "must be 0 or more", True),
     ("$.poses[0].colour.cam9", {"matrix": [[0.0] * 4] * 3}, None, "'cam9' is not a camera", False),
+    ("$.poses[0].relief.projections.cam9", [[1.0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]], None, "'cam9' is not", False),
+    ("$.poses[0].relief.projections", {}, None, "must not be empty", False),
+    ("$.poses[0].relief.projections.cam2[2]", [0, 0, 1.0], None, "expected 4 values, got 3", True),
+    ("$.poses[0].relief.projections.cam2[2][2]", 2.0, None, "scaled so that its last element is 1", False),
+    ("$.poses[0].relief.projections.cam2[1][1]", 0, "$.poses[0].relief.projections.cam2", "is singular", False),
+    ("$.poses[0].relief.projections.cam2[0][3]", 1e300, None, "must be -10000000 to", False),
+    ("$.poses[0].relief.gamma", [[0.0, 1.5, 0.0]], None, "has 1 rows, 2 to 1024 are taken", False),
+    ("$.poses[0].relief.gamma", [], None, "has 0 rows, 2 to 1024 are taken", False),
+    ("$.poses[0].relief.gamma", [[0.0], [0.0]], "$.poses[0].relief.gamma[0]", "has 1 nodes, 2 to 1024", False),
+    ("$.poses[0].relief.gamma[1]", [0.0, 1.0], None, "has 2 nodes, gamma[0] has 3", False),
+    ("$.poses[0].relief.gamma[1][1]", 1e300, None, "must be -10000000 to 10000000", True),
+    ("$.poses[0].relief.gamma[1][1]", None, None, "expected a number, got null", True),
+    ("$.poses[0].relief.confidence", [[0, 1, 2]], None, "has 1 rows, gamma has 2", False),
+    ("$.poses[0].relief.confidence[0]", [1, 2, 3, 4], None, "has 4 nodes, gamma[0] has 3", False),
+    ("$.poses[0].relief.confidence[1][0]", 101, None, "must be 0 to 100, got 101", True),
+    ("$.poses[0].relief.confidence[1][0]", 50.5, None, "expected a whole number, got 50.5", True),
+    ("$.overrides[0].surface", 1, None, "expected true or false, got 1", True),
     ("$.poses[0].residual_px.cam2", -0.1, None, "must be 0 or more", True),
     ("$.poses[0].support.cam2", -1, None, "must be 0 or more", True),
     ("$.poses[0].solved_from[1]", -1, None, "must be 0 or more", True),

@@ -1,0 +1,181 @@
+"""Places by the relief: where each camera sees what the programme shows at a pixel, and the way back.
+
+A pose's relief (`edl.relief`) says how high the scene stands over the plane at a programme pixel before centering, and
+every camera's projection what that does to its picture. As for what fills, the camera's picture is laid by its
+homography with a `WarpField` added; so a pixel is resampled once, and without a relief nothing changes.
+
+Where the relief is not confident the field goes over softly to 0, which is the plane; so it does beyond the programme's
+picture, over a quarter of its width. It never changes by more than `STEEPEST` pixels a pixel: there is no tear and no
+fold, a way back from every pixel, and locally nothing is stretched more than twice as much in one direction as in
+another ((1 + STEEPEST) / (1 - STEEPEST)): what crosses a steep place straight, an instrument above it, is bent by no
+more than 18 degrees.
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from attrs import frozen
+from numpy.typing import NDArray
+
+from mcsl_core.edl import Relief
+
+from .geometry import Array, Homography, transform_points
+from .warp import WarpField
+
+STEEPEST = 1 / 3
+_STEP = 1 / 192  # of the programme's width: between nodes
+_BEYOND = 1 / 4  # of the width: so far the field reaches outside the programme's picture, fading
+_SOFT = 1 / 96  # sigma of the confidence, of the width
+_ROUNDS = 24
+_LEAST = 0.01  # pixels: less moves nothing
+_FAR = 1 / 4  # of the width: what a projection moves farther than that is no place
+
+
+@frozen(eq=False)
+class ReliefMap:
+    """A relief as arrays.
+
+    Attributes
+    ----------
+    gamma : (rows, columns) float32
+        Height over the plane at the nodes.
+    confidence : (rows, columns) float32
+        0..1.
+    size : (int, int)
+        Width and height of the programme.
+    """
+
+    gamma: NDArray[np.float32]
+    confidence: NDArray[np.float32]
+    size: tuple[int, int]
+
+    @classmethod
+    def of(cls, relief: Relief, size: tuple[int, int]) -> ReliefMap:
+        """The EDL's relief in a programme of ``size``."""
+        return cls(np.array(relief.gamma, np.float32), np.array(relief.confidence, np.float32) / 100, size)
+
+    def at(self, points: Array) -> tuple[Array, Array]:
+        """Gamma and confidence at (N, 2) programme pixels, linear between nodes; outside as at the picture's edge."""
+        rows, columns = self.gamma.shape
+        scale = np.array([columns - 1, rows - 1]) / np.maximum(np.array(self.size) - 1, 1)
+        gamma, confidence = _sampled(np.stack([self.gamma, self.confidence], axis=-1), points * scale).T
+        return gamma, confidence
+
+
+def project(projection: Array, points: Array, gamma: Array) -> Array:
+    """Where a camera sees scene points: (N, 2) camera pixels, NaN for what lies behind it.
+
+    Parameters
+    ----------
+    projection
+        (3, 4), the camera's.
+    points
+        (N, 2) programme pixels before centering.
+    gamma
+        (N,) heights over the plane.
+    """
+    seen = points @ projection[:, :2].T + gamma[:, None] * projection[:, 3] + projection[:, 2]
+    return seen[:, :2] / np.where(seen[:, 2:] > 1e-6, seen[:, 2:], np.nan)
+
+
+def surface_field(
+    relief: ReliefMap, projection: Array, matrix: Homography, correction: Homography | None = None
+) -> WarpField | None:
+    """What the relief adds to a camera's plane.
+
+    Parameters
+    ----------
+    relief
+        Of the pose.
+    projection
+        (3, 4), the camera's.
+    matrix
+        (3, 3), camera pixel -> programme pixel before centering, by the plane and ``correction``.
+    correction
+        (3, 3), programme pixel -> programme pixel, by hand, which moves the surface as it does the plane.
+
+    Returns
+    -------
+    WarpField or None
+        What belongs at pixel p lies at p + shift(p) after ``matrix``; None where that is p, to a hundredth pixel.
+    """
+    width, height = relief.size
+    step, margin = _STEP * width, _BEYOND * width
+    columns, rows = (int(np.ceil((n + 2 * margin) / step)) + 1 for n in (width, height))
+    x, y = np.meshgrid(np.arange(columns) * step - margin, np.arange(rows) * step - margin)
+    nodes = np.stack([x, y], axis=-1).reshape(-1, 2)
+    correct = np.eye(3) if correction is None else correction
+    before = transform_points(_inverse(correct), nodes)
+    gamma, confidence = relief.at(before)
+    there = transform_points(matrix, project(projection, before, gamma))
+    known = np.isfinite(there).all(axis=1) & (np.linalg.norm(there - nodes, axis=1) < _FAR * width)
+    outside = np.maximum(np.maximum(-before, before - (np.array(relief.size) - 1)), 0)
+    inside = np.clip(1 - np.hypot(*outside.T) / (0.9 * margin), 0, 1)
+    weight = (confidence * known * inside * inside * (3 - 2 * inside)).reshape(rows, columns).astype(np.float32)
+    weight = cv2.GaussianBlur(weight, (0, 0), _SOFT / _STEP, borderType=cv2.BORDER_REPLICATE)
+    shift = np.where(known[:, None], there - nodes, 0).reshape(rows, columns, 2) * weight[..., None]
+    shift = _bounded(shift.astype(np.float32), step)
+    return WarpField(shift, (-margin, -margin), step) if np.abs(shift).max() > _LEAST else None
+
+
+def _bounded(shift: NDArray[np.float32], step: float) -> NDArray[np.float32]:
+    """``shift`` changing by no more than `STEEPEST`: smoothed about the places where it does, and nowhere else."""
+    for sigma in np.geomspace(1, 8, _ROUNDS):
+        steep = _steepness(shift, step)
+        if steep.max() <= STEEPEST:
+            return shift
+        place = np.pad((steep > 0.95 * STEEPEST).astype(np.float32), (0, 1))
+        place = cv2.dilate(place, np.ones((5, 5), np.uint8))
+        part = np.minimum(2 * cv2.GaussianBlur(place, (0, 0), 2 * float(sigma)), 1)[..., None]
+        smooth = cv2.GaussianBlur(shift, (0, 0), float(sigma), borderType=cv2.BORDER_REPLICATE)
+        shift = np.asarray(shift + part * (smooth - shift), np.float32)
+    return shift * np.float32(min(1.0, STEEPEST / float(_steepness(shift, step).max())))
+
+
+def _steepness(shift: NDArray[np.float32], step: float) -> NDArray[np.float32]:
+    """(rows - 1, columns - 1): within each cell, no less than the norm of the shift's derivative."""
+    right = np.linalg.norm(np.diff(shift, axis=1), axis=2) / step
+    down = np.linalg.norm(np.diff(shift, axis=0), axis=2) / step
+    return np.hypot(np.maximum(right[:-1], right[1:]), np.maximum(down[:, :-1], down[:, 1:])).astype(np.float32)
+
+
+# ------------------------------------------------------------------------------------------------------------ points
+
+
+def to_camera(points: Array, matrix: Homography, field: WarpField | None, offset: tuple[float, float]) -> Array:
+    """(N, 2) camera pixels that the programme shows at (N, 2) pixels; ``offset``: the centering's."""
+    points = points - np.array(offset)
+    return transform_points(_inverse(matrix), points if field is None else points + _shift_at(field, points))
+
+
+def to_programme(points: Array, matrix: Homography, field: WarpField | None, offset: tuple[float, float]) -> Array:
+    """(N, 2) programme pixels at which (N, 2) camera pixels are shown: the inverse of `to_camera`."""
+    laid = transform_points(matrix, points)
+    found = laid
+    if field is not None:
+        for _ in range(_ROUNDS):  # each is nearer by STEEPEST at least
+            found = laid - _shift_at(field, found)
+    return found + np.array(offset)
+
+
+def _inverse(matrix: Homography) -> Homography:
+    return np.asarray(np.linalg.inv(matrix), np.float64)
+
+
+def _shift_at(field: WarpField, points: Array) -> Array:
+    return _sampled(field.shift, (points - np.array(field.corner)) / field.step)
+
+
+def _sampled(values: NDArray[np.float32], at: Array) -> Array:
+    """(N, C) of (rows, columns, C) values at (N, 2) places in nodes, linear between them, constant beyond.
+
+    Exactly: `cv2.remap` knows places to a 32nd of a node, which is a tenth of a pixel where the relief is steep.
+    """
+    rows, columns, _ = values.shape
+    at = np.clip(at, 0, [columns - 1, rows - 1])
+    first = np.minimum(at.astype(int), [max(columns - 2, 0), max(rows - 2, 0)])
+    (x, y), (u, v) = first.T, (at - first).T[..., None]
+    x1, y1 = np.minimum(x + 1, columns - 1), np.minimum(y + 1, rows - 1)
+    top = (1 - u) * values[y, x] + u * values[y, x1]
+    return (1 - v) * top + v * ((1 - u) * values[y1, x] + u * values[y1, x1])
