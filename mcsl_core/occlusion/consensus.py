@@ -18,6 +18,8 @@ from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView, Picture
 from mcsl_core.imaging.exposure import Exposure, changed, levelled, small
 from mcsl_core.imaging.masks import Mask
 
+from .palette import ForeignBackground, SeenView, foreign_background
+
 Lab = NDArray[np.uint8]
 Float = NDArray[np.float32]
 _UNCHANGED = 0.02  # gains nearer to 1 are left: what they would mend is below `tolerance`
@@ -83,13 +85,26 @@ class Consensus:
             for view in samples[position]:
                 seen.setdefault(view.camera, []).append((small(view.aligned), cut.picture(view.aligned)))
                 inside[view.camera] = view.inside
-        exposure, appearances = {}, {}
+        exposure, appearances, pictures = {}, {}, {}
         for name, own in seen.items():
             level = exposure[name] = Exposure.of([whole for whole, _ in own], inside[name])
-            pictures = [_lab(levelled(part, changed(level.gain(whole), _UNCHANGED))) for whole, part in own]
-            appearances[name] = self._appearances(np.stack(pictures))
+            even = [_lab(levelled(part, changed(level.gain(whole), _UNCHANGED))) for whole, part in own]
+            pictures[name] = np.stack(even)
+            appearances[name] = self._appearances(pictures[name])
         inside = {name: cut.mask(mask) for name, mask in inside.items()}
-        return ConsensusScorer(aligned.field, cut, self._agreed(appearances, inside), exposure, self.different)
+        gains = self._gains(appearances, inside) if appearances else {}
+        background = self._agreed(appearances, inside, gains)
+        views = {
+            name: SeenView(
+                _recoloured(behind, gains[name]),
+                [_recoloured(picture, gains[name]) for picture in pictures[name]],
+                [_solid(_differs(picture, behind, self.different)) > 0 for picture in pictures[name]],
+                inside[name],
+            )
+            for name, behind in background.items()
+        }
+        foreign = foreign_background(views, cut.mask(aligned.field))
+        return ConsensusScorer(aligned.field, cut, background, exposure, self.different, gains, foreign)
 
     def _appearances(self, pictures: Lab) -> list[Appearance]:
         """The commonest appearances of every pixel over (T, h, w, 3)."""
@@ -115,14 +130,16 @@ class Consensus:
         """(T, h, w): whether (3, T, h, w) and (3, h, w) count as the same appearance."""
         return _apart(planes, colour) <= self.tolerance
 
-    def _agreed(self, appearances: Mapping[str, Sequence[Appearance]], inside: Mapping[str, Mask]) -> dict[str, Lab]:
+    def _agreed(
+        self,
+        appearances: Mapping[str, Sequence[Appearance]],
+        inside: Mapping[str, Mask],
+        gains: Mapping[str, Float],
+    ) -> dict[str, Lab]:
         """camera -> (h, w, 3): of its appearances the one that it and the others see most.
 
         Where the others outvote all of them, theirs: a head that stays does not become its view's background.
         """
-        if not appearances:
-            return {}
-        gains = self._gains(appearances, inside)
         evened = {n: [_recoloured(one.lab, gains[n]) for one in own] for n, own in appearances.items()}
         ranges = {n: [self._range(lab) for lab in own] for n, own in evened.items()}
         chosen: dict[str, Lab] = {}
@@ -216,6 +233,10 @@ class ConsensusScorer:
         Camera -> its usual one.
     different : int
         See `Consensus`.
+    gains : mapping of str to (3,) array
+        Camera -> factors on B, G, R that make its colours like the others'.
+    foreign : ForeignBackground
+        Where a background is a hand or a head that stays.
     """
 
     field: Mask
@@ -223,6 +244,8 @@ class ConsensusScorer:
     background: Mapping[str, Lab]
     exposure: Mapping[str, Exposure]
     different: int
+    gains: Mapping[str, Float]
+    foreign: ForeignBackground
 
     def score(self, views: Sequence[AlignedView]) -> Mapping[str, float]:
         """Scores the views of one frame; see `OcclusionScorer.score`."""
@@ -249,13 +272,9 @@ class ConsensusScorer:
             return inside
         gain = changed(self.exposure[view.camera].gain(small(view.aligned)), _UNCHANGED)
         now = _lab(levelled(self.cut.picture(view.aligned), gain))
-        behind = self.background[view.camera]
-        # A pixel of play either way: breathing, and what warping leaves of the pixel grid.
-        around = np.ones((3, 3), np.uint8)
-        over = cv2.subtract(now, cv2.dilate(behind, around)).max(axis=2)
-        under = cv2.subtract(cv2.erode(behind, around), now).max(axis=2)
-        hidden = (np.maximum(over, under) > self.different).astype(np.uint8)
-        return inside & (_solid(hidden) == 0)
+        differs = _differs(now, self.background[view.camera], self.different)
+        alike = _recoloured(now, self.gains[view.camera])
+        return inside & (_solid(self.foreign.hidden(view.camera, alike, differs)) == 0)
 
 
 @frozen
@@ -318,10 +337,18 @@ class Cut:
         return cv2.resize(part * 255, self.size, interpolation=cv2.INTER_AREA) > 127
 
 
-def _solid(hidden: NDArray[np.uint8]) -> NDArray[np.uint8]:
+def _differs(now: Lab, behind: Lab, different: int) -> Mask:
+    """Where two pictures of a view differ, a pixel of play either way: breathing, what warping leaves of the grid."""
+    around = np.ones((3, 3), np.uint8)
+    over = cv2.subtract(now, cv2.dilate(behind, around)).max(axis=2)
+    under = cv2.subtract(cv2.erode(behind, around), now).max(axis=2)
+    return np.maximum(over, under) > different
+
+
+def _solid(hidden: Mask) -> NDArray[np.uint8]:
     """Specks taken away, and holes in hands and heads filled that happen to have the colour behind them."""
     disk = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (9, 9))
-    return cv2.morphologyEx(cv2.medianBlur(hidden, 3), cv2.MORPH_CLOSE, disk)  # pyright: ignore[reportReturnType]
+    return cv2.morphologyEx(cv2.medianBlur(hidden.astype(np.uint8), 3), cv2.MORPH_CLOSE, disk)  # pyright: ignore[reportReturnType]
 
 
 def _lab(picture: Picture) -> Lab:
