@@ -1,4 +1,6 @@
-"""Where the surgical field lies in a pose: by hue, by vote of the cameras, by what stays.
+"""Where the surgical field may lie before it is found: by hue, by vote of the cameras; and what a pose usually shows.
+
+`field_voices` finds it.
 
 Masks are bool; (H, W) in aligned pixels, (h, w) in those of a camera's reduced picture.
 """
@@ -12,11 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from mcsl_core.imaging.geometry import Array, scaling, transform_points
-from mcsl_core.imaging.masks import Mask, central_ellipse, close_gaps, hue_mask, main_region
+from mcsl_core.imaging.geometry import Array, transform_points
+from mcsl_core.imaging.masks import Mask, central_ellipse, hue_mask, main_region
 
 from .aligned_views import AlignedPose, Picture
-from .correspondences import Pairs
 
 _AIM = 0.3  # of a picture's width: how fast a camera's aim falls off from its middle
 _BINS = 8  # a side of the colour cube of `modal_picture`
@@ -151,62 +152,6 @@ def modal_picture(aligned: AlignedPose, samples: Iterable[Mapping[str, Picture |
         cube = uniform_filter1d(cube, 2, axis=axis, mode="constant")
     lab = _colours(cube.reshape(height * width, -1).argmax(axis=1)).reshape(height, width, 3)
     return cv2.cvtColor(lab, cv2.COLOR_LAB2BGR)  # pyright: ignore[reportReturnType]
-
-
-def field_by_hue(picture: Picture) -> Mask:
-    """The field in a modal picture.
-
-    Parameters
-    ----------
-    picture : (H, W, 3) uint8 array
-        BGR; see `modal_picture`.
-
-    Returns
-    -------
-    (H, W) bool array
-        The main region of the field's hue, with what lies in it filled in; may be empty.
-
-    References
-    ----------
-    The paper's section "Experimental Setups" has the hues.
-    """
-    return close_gaps(main_region(hue_mask(picture) > 0))
-
-
-def field_that_stays(aligned: AlignedPose, by_hue: Mask, dense: Pairs) -> Mask:
-    """The part of the field's hue that stays: where two pairs of cameras at least match it in several samples.
-
-    Parameters
-    ----------
-    aligned : AlignedPose
-        How the cameras lie; its own field is not used.
-    by_hue : (H, W) bool array
-        The field in the modal picture.
-    dense : mapping of (str, str) to Correspondences
-        The matches of every pair of cameras; see `match_densely`. Those of cameras that are not tied in say nothing.
-
-    Returns
-    -------
-    (H, W) bool array
-        All of ``by_hue`` where less than three tenths of it stay; the middle of the picture where that is empty too.
-
-    Notes
-    -----
-    Hands in gloves of the field's hue lie in the modal picture where they work, but nothing there stays.
-    """
-    stays = np.zeros((aligned.size[1], aligned.size[0]), np.uint8)
-    to_aligned = scaling(aligned.camera_sizes[aligned.reference], aligned.size)
-    tied = {pair: matches for pair, matches in dense.items() if aligned.homographies.keys() >= set(pair)}
-    for (a, _), matches in tied.items():
-        points = np.round(transform_points(to_aligned @ aligned.homographies[a], matches.a)).astype(int)
-        inside = ((points >= 0) & (points < aligned.size)).all(axis=1) & (matches.weight > 0.6)
-        seen = np.zeros_like(stays)
-        seen[points[inside, 1], points[inside, 0]] = 1
-        stays += cv2.dilate(seen, np.ones((7, 7), np.uint8))  # pyright: ignore[reportOperatorIssue]
-    field = close_gaps(main_region((stays >= min(2, len(tied))) & by_hue), gap=0.04)
-    if field.sum() >= 0.3 * by_hue.sum() > 0:
-        return field
-    return by_hue if by_hue.any() else central_ellipse(aligned.size)
 
 
 def _bins(lab: NDArray[np.int32]) -> NDArray[np.int32]:

@@ -25,7 +25,8 @@ from .aligned_views import AlignedPose, Picture
 from .clear_frames import degree_of_occlusion, field_area
 from .colour_match import match_colours
 from .correspondences import Pairs
-from .field import field_by_hue, field_by_vote, field_in_camera, field_that_stays, modal_picture, shared_aim
+from .field import field_by_vote, field_in_camera, shared_aim
+from .field_voices import find_field
 from .observations import Observations, Samples, SolvedPose, match_cameras, observe, spread, weight_matches
 from .photo_consistency import Agreement, LaidView, refuted
 from .protocol import Aligner, Alignment, Matcher
@@ -101,22 +102,24 @@ class PoseSolver:
         for_dense = spread(standing, settings.dense_moments)
         observations = observe(clear, for_field, samples, self.matcher)
         first, by_points = self._by_points(observations, known)
-        by_hue = self._by_hue(first, for_field, samples) if known is None else known
         pictures = [samples[i].pictures for i in for_dense]
         steady = {name: steady_view([shown.get(name) for shown in pictures]) for name in first.homographies}
         views = Views(self.reference, self.sizes, steady, pictures)
         found = relief_cameras(views, first.homographies)
-        tied = self._together(first, by_points, found and found[0], by_hue, views)
+        relief = found and found[0]
+        if known is None:  # what is found in views laid by their points lays them well enough to find it again
+            coarse = self._field(first, for_field, samples)
+            field = self._field(self._together(first, by_points, relief, coarse, views), for_field, samples)
+        else:
+            field = known
+        tied = self._together(first, by_points, relief, field, views)
         alignment = self._confirmed(tied, steady)
         _tell_of_weak(alignment, frames, progress)
         aligned = self._aligned(alignment, settings.scene_width)
-        field = resize_mask(by_hue, aligned.size)
-        sure = known is not None or bool(by_hue.any() and shared_aim(self._aligned(tied, aligned.size[0])) >= ONE_AIM)
-        if known is None:
-            field = (
-                field_that_stays(aligned, field, found[1] if found else {}) if sure else central_ellipse(aligned.size)
-            )
-        aligned = attrs.evolve(aligned, field=field)
+        sure = known is not None or bool(field.any() and shared_aim(self._aligned(tied, aligned.size[0])) >= ONE_AIM)
+        aligned = attrs.evolve(
+            aligned, field=resize_mask(field, aligned.size) if sure else central_ellipse(aligned.size)
+        )
         pose = attrs.evolve(_pose(frames, alignment), solved_from=tuple(samples.frames[i] for i in clear))
         pose = attrs.evolve(pose, colour=_colours(aligned, pictures))
         kept = {name: Observations(own.features[::4], own.field) for name, own in observations.items()}
@@ -158,10 +161,10 @@ class PoseSolver:
         }
         return self.aligner.align(pairs, sizes, self.reference), pairs
 
-    def _by_hue(self, first: Alignment, positions: Sequence[int], samples: Samples) -> Mask:
-        """Where the picture that is seen most has the field's hue; empty where it has it nowhere."""
-        coarse = self._aligned(first, self.settings.typical_width)
-        return field_by_hue(modal_picture(coarse, (samples[i].pictures for i in positions)))
+    def _field(self, alignment: Alignment, positions: Sequence[int], samples: Samples) -> Mask:
+        """Where the field lies, empty where nothing shows one, by how the views lie now."""
+        coarse = self._aligned(alignment, self.settings.typical_width)
+        return find_field(coarse, [samples[i].pictures for i in positions])
 
     def _together(
         self, first: Alignment, by_points: Pairs, relief: ReliefCameras | None, field: Mask, views: Views

@@ -1,0 +1,94 @@
+"""The field by what cameras aim at and colours that are only there: of any hue, and none where nothing shows one."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+
+from mcsl_core.alignment.aligned_views import AlignedPose
+from mcsl_core.alignment.field_voices import Evidence, aim_of, busy_places, field_by_voices
+
+SIZE = (240, 136)
+FIELD = (slice(42, 96), slice(78, 164))
+NAMES = ("cam1", "cam2", "cam3")
+RED, GREEN, BLACK, BLUE, WHITE, BROWN = (
+    (90, 110, 190),
+    (60, 110, 40),
+    (24, 20, 22),
+    (150, 80, 40),
+    (225, 228, 230),
+    (60, 90, 130),
+)
+
+
+def aligned(shift: float = 8) -> AlignedPose:
+    """Three cameras, a little beside each other."""
+    moved = {name: np.array([[1, 0, shift * (i - 1)], [0, 1, 0], [0, 0, 1.0]]) for i, name in enumerate(NAMES)}
+    moved = {name: h @ np.linalg.inv(moved["cam1"]) for name, h in moved.items()}
+    return AlignedPose(SIZE, "cam1", moved, dict.fromkeys(NAMES, SIZE), np.zeros((SIZE[1], SIZE[0]), bool))
+
+
+def picture(field, drape, seed: int = 0) -> np.ndarray:
+    """Brighter in the middle, as under a lamp, with folds."""
+    made = np.full((SIZE[1], SIZE[0], 3), drape, np.float32)
+    made[FIELD] = field
+    y, x = np.indices(made.shape[:2])
+    lamp = 1.15 - 0.35 * np.hypot(x - 120, y - 68) / 138
+    rng = np.random.default_rng(seed)
+    folds = cv2.GaussianBlur(rng.normal(0, 30, made.shape[:2]).astype(np.float32), (0, 0), 3)
+    return np.clip(made * lamp[..., None] + folds[..., None] + rng.normal(0, 2, made.shape), 0, 255).astype(np.uint8)
+
+
+def found(shown: np.ndarray, busy: np.ndarray | None = None) -> np.ndarray:
+    nothing = np.zeros(shown.shape[:2], bool)
+    return field_by_voices(Evidence(shown, aim_of(aligned(0)), nothing if busy is None else busy)).mask
+
+
+def overlap(mask: np.ndarray) -> float:
+    true = np.zeros(mask.shape, bool)
+    true[FIELD] = True
+    return float((mask & true).sum() / (mask | true).sum())
+
+
+@pytest.mark.parametrize(
+    ("field", "drape"), [(RED, GREEN), (RED, WHITE), (BLACK, GREEN), (BLACK, BLUE), (RED, BROWN), (WHITE, BLUE)]
+)
+def test_the_field_is_what_has_its_own_colours_at_the_aim_whatever_they_are(field, drape) -> None:
+    assert overlap(found(picture(field, drape))) > 0.8
+
+
+def test_things_of_the_fields_hue_elsewhere_do_not_count() -> None:
+    shown = picture(RED, GREEN)
+    shown[5:60, 190:235] = RED
+    shown[100:130, 5:60] = RED
+    assert overlap(found(shown)) > 0.8
+
+
+@pytest.mark.parametrize("drape", [GREEN, BROWN, RED, WHITE])
+def test_none_is_claimed_where_nothing_shows_one(drape) -> None:
+    assert not found(picture(drape, drape)).any()
+
+
+def test_hands_that_come_and_go_are_busy_and_their_bite_is_filled() -> None:
+    pose, rng = aligned(0), np.random.default_rng(1)
+    samples = []
+    for at in range(20):
+        shown = {name: picture(BLACK, GREEN, 3 * at + i) for i, name in enumerate(NAMES)}
+        for own in shown.values():
+            cv2.circle(own, (160, 100), 26, tuple(int(v) for v in rng.integers(60, 255, 3)), -1)
+        samples.append(pose.views(shown))
+    busy = busy_places(samples, SIZE)
+    assert busy[100, 160]
+    assert not busy[60, 100]
+    shown = picture(BLACK, GREEN)
+    cv2.circle(shown, (160, 100), 26, (200, 200, 200), -1)
+    assert overlap(found(shown, busy)) > 0.75
+
+
+def test_cameras_aim_where_the_middles_of_their_pictures_meet() -> None:
+    aim = aim_of(aligned(30))
+    row, column = np.unravel_index(aim.argmax(), aim.shape)
+    assert abs(column - (120 + 30)) <= 2, "the second of three lies 30 pixels to the right of the reference"
+    assert abs(row - 68) <= 1
+    assert aim.max() <= 1
