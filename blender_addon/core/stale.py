@@ -63,7 +63,7 @@ def _source(view: View) -> list[Any]:
     """One camera's part: its files as the EDL names them, on its clock, where they lie, in which colours."""
     camera = view.camera
     media = [[media.path, media.frames, media.fingerprint] for media in camera.media]
-    lie = [view.clock, view.gaps, view.placement, view.colour]
+    lie = [view.clock, view.gaps, view.placement, view.colour, *([view.colour_keys] if view.colour_keys else [])]
     return [camera.name, media, list(camera.size), str(camera.rate), *lie]
 
 

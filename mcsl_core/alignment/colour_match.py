@@ -6,12 +6,18 @@ cameras of one lamp. Stored as one affine matrix on BT.709 limited 8-bit codes, 
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsl_core.edl import Colour
+from mcsl_core.edl import Colour, ColourKey, Pose
+from mcsl_core.edl.colour import gains_at
+from mcsl_core.imaging.masks import Mask
 from mcsl_core.imaging.planes import BGR_TO_YUV, U8, YUV_TO_BGR, Planes, upsample_chroma
+
+from .aligned_views import AlignedPose, Picture
 
 GAINS = (0.5, 2.0)
 OFFSETS = (-40.0, 40.0)
@@ -23,6 +29,7 @@ _ROUNDS = 12
 # and white gauze turns cyan. 3 codes, and a quarter of what the gain leaves unexplained.
 _BLACK = 3.0
 _DOUBT = 0.25
+_STEADY = 6  # levels of 255 that a pixel may be off its median half of the time: noise and breathing, not hands
 
 
 def match_colours(source_bgr: U8, target_bgr: U8, mask: U8) -> Colour:
@@ -66,6 +73,34 @@ def match_colours(source_bgr: U8, target_bgr: U8, mask: U8) -> Colour:
     return as_matrix(fits[:, 0], fits[:, 1])
 
 
+def colours_of(aligned: AlignedPose, samples: Sequence[Mapping[str, Picture | None]]) -> dict[str, Colour]:
+    """Each camera's match to the reference camera, from the medians of what both show steadily.
+
+    Where hands and heads come and go the median is nobody's colour; such pixels are left out by their deviation.
+    """
+    shown: dict[str, list[Picture]] = {}
+    steady: dict[str, Mask] = {}
+    for pictures in samples:
+        for view in aligned.views(pictures):
+            shown.setdefault(view.camera, []).append(view.aligned)
+            steady[view.camera] = view.inside
+    medians: dict[str, Picture] = {}
+    for name, own in shown.items():
+        stack = np.stack(own)
+        medians[name] = np.median(stack, axis=0).astype(np.uint8)
+        off = np.median(cv2.absdiff(stack, np.broadcast_to(medians[name], stack.shape).copy()), axis=0).max(axis=2)
+        steady[name] = steady[name] & (off <= _STEADY)
+    if aligned.reference not in medians:
+        return {}
+    target = medians.pop(aligned.reference)
+    colours = {}
+    for name, median in medians.items():
+        overlap = steady[name] & steady[aligned.reference]
+        if overlap.mean() > 0.02:
+            colours[name] = match_colours(median, target, overlap.astype(np.uint8))
+    return colours
+
+
 def as_matrix(gains: NDArray[np.float64], offsets: NDArray[np.float64]) -> Colour:
     """The Y'CbCr matrix of a gain and an offset for each colour.
 
@@ -82,6 +117,39 @@ def as_matrix(gains: NDArray[np.float64], offsets: NDArray[np.float64]) -> Colou
     bgr = np.hstack([np.diag(gains), np.reshape(offsets, (3, 1))])
     matrix = (_square(BGR_TO_YUV) @ _square(bgr) @ _square(YUV_TO_BGR))[:3]
     return Colour(tuple(tuple(float(v) for v in row) for row in matrix))  # pyright: ignore[reportArgumentType]
+
+
+def colour_at(pose: Pose, camera: str, frames: Sequence[int]) -> Colour | None:
+    """What makes a camera's colours the programme's.
+
+    Parameters
+    ----------
+    pose : Pose
+        Of the frames.
+    camera : str
+        Its name.
+    frames : sequence of int
+        Programme frames: one, or those whose median the picture is.
+
+    Returns
+    -------
+    Colour or None
+        The drift taken out, then the match; None where its colours stay as they are.
+    """
+    match, drift = pose.colour.get(camera), drift_at(pose, camera, frames)
+    if drift is None or match is None:
+        return match or drift
+    matrix = np.array(match.matrix) @ _square(np.array(drift.matrix))
+    return Colour(tuple(tuple(float(v) for v in row) for row in matrix))  # pyright: ignore[reportArgumentType]
+
+
+def drift_at(pose: Pose, camera: str, frames: Sequence[int]) -> Colour | None:
+    """What brings a camera to its usual exposure and white balance; None where it does not drift. See `colour_at`."""
+    keys: Sequence[ColourKey] = pose.colour_keys.get(camera, ())
+    if not keys:
+        return None
+    gains = np.median([gains_at(keys, frame) for frame in frames], axis=0)
+    return as_matrix(gains[::-1], np.zeros(3))
 
 
 def apply_colour(planes: Planes, colour: Colour) -> Planes:

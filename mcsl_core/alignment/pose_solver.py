@@ -14,16 +14,16 @@ import cv2
 import numpy as np
 from attrs import frozen
 
-from mcsl_core.edl import Colour, Pose, Weak
+from mcsl_core.edl import Pose, Weak
 from mcsl_core.edl.field import MIDDLE, PICTURES
 from mcsl_core.imaging.geometry import size_at_columns, to_edl_matrix
 from mcsl_core.imaging.masks import Mask, central_ellipse, resize_mask
 from mcsl_core.progress import Progress
 from mcsl_core.timing import FrameRange
 
-from .aligned_views import AlignedPose, Picture
+from .aligned_views import AlignedPose
 from .clear_frames import degree_of_occlusion, field_area
-from .colour_match import match_colours
+from .colour_match import colours_of
 from .correspondences import Pairs
 from .field import field_by_vote, field_in_camera, shared_aim
 from .field_voices import find_field
@@ -36,7 +36,6 @@ from .settings import SolveSettings
 from .steady import SteadyView, steady_view
 
 ONE_AIM = 0.94  # cameras that aim at one place; see `shared_aim`
-STEADY = 6  # levels of 255 that a pixel may be off its median half of the time: noise and breathing, not hands
 
 
 @frozen(eq=False)
@@ -121,7 +120,7 @@ class PoseSolver:
             aligned, field=resize_mask(field, aligned.size) if sure else central_ellipse(aligned.size)
         )
         pose = attrs.evolve(_pose(frames, alignment), solved_from=tuple(samples.frames[i] for i in clear))
-        pose = attrs.evolve(pose, colour=_colours(aligned, pictures))
+        pose = attrs.evolve(pose, colour=colours_of(aligned, pictures))
         kept = {name: Observations(own.features[::4], own.field) for name, own in observations.items()}
         return SolvedPose(pose, aligned, tuple(for_dense), kept, PICTURES if sure else MIDDLE)
 
@@ -251,31 +250,3 @@ def _without(alignment: Alignment, wrong: Mapping[str, Agreement]) -> Alignment:
 def _degree_of_occlusion(samples: Samples, position: int) -> float:
     pictures = samples[position].pictures.values()
     return degree_of_occlusion([field_area(picture) for picture in pictures if picture is not None])
-
-
-def _colours(aligned: AlignedPose, samples: Sequence[Mapping[str, Picture | None]]) -> dict[str, Colour]:
-    """Each camera's match to the reference camera, from the medians of what both show steadily.
-
-    Where hands and heads come and go the median is nobody's colour; such pixels are left out by their deviation.
-    """
-    shown: dict[str, list[Picture]] = {}
-    steady: dict[str, Mask] = {}
-    for pictures in samples:
-        for view in aligned.views(pictures):
-            shown.setdefault(view.camera, []).append(view.aligned)
-            steady[view.camera] = view.inside
-    medians: dict[str, Picture] = {}
-    for name, own in shown.items():
-        stack = np.stack(own)
-        medians[name] = np.median(stack, axis=0).astype(np.uint8)
-        off = np.median(cv2.absdiff(stack, np.broadcast_to(medians[name], stack.shape).copy()), axis=0).max(axis=2)
-        steady[name] = steady[name] & (off <= STEADY)
-    if aligned.reference not in medians:
-        return {}
-    target = medians.pop(aligned.reference)
-    colours = {}
-    for name, median in medians.items():
-        overlap = steady[name] & steady[aligned.reference]
-        if overlap.mean() > 0.02:
-            colours[name] = match_colours(median, target, overlap.astype(np.uint8))
-    return colours

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from mcsl_core.alignment.aligned_views import AlignedPose
 from mcsl_core.alignment.observations import SolvedPose
+from mcsl_core.alignment.pose_colours import PoseColours
 from mcsl_core.arrays import read_arrays
 from mcsl_core.documents import make_converter, write_atomic
 from mcsl_core.edl import Clock, Movement, Pose
@@ -168,6 +169,14 @@ def _unpack_mask(bits: NDArray, size: Sequence[int]) -> Mask:
     return np.unpackbits(bits, count=width * height).reshape(height, width).astype(bool)
 
 
+def _pack_colours(found: Sequence[PoseColours]) -> dict[str, NDArray]:
+    return {"colours": _text(_converter.unstructure(list(found), list[PoseColours]))}
+
+
+def _unpack_colours(arrays: Arrays) -> list[PoseColours]:
+    return _converter.structure(_json(arrays, "colours"), list[PoseColours])
+
+
 def _pack_damage(found: DamageOf) -> dict[str, NDArray]:
     plain = {n: [[[str(d.start_s), str(d.stop_s), d.why] for d in each] for each in of] for n, of in found.items()}
     return {"damage": _text(plain)}
@@ -186,6 +195,7 @@ DAMAGE = Stage("damage", _pack_damage, _unpack_damage)
 DAMAGE_MET = Stage("decoding", _pack_damage, _unpack_damage)
 MOVEMENTS = Stage("movements", _pack_detection, _unpack_detection)
 POSES = Stage("poses", _pack_poses, _unpack_poses)
+COLOURS = Stage("colours", _pack_colours, _unpack_colours)
 MERITS: Stage[dict[str, NDArray]] = Stage("merits", dict, dict)
 SCORES = Stage("scores", ScoreTable.arrays, ScoreTable.from_arrays)
 CLOSER = Stage("closer", ScoreTable.arrays, ScoreTable.from_arrays)

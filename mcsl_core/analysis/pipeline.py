@@ -12,6 +12,7 @@ from typing import Any
 import attrs
 
 from mcsl_core import __version__, edl
+from mcsl_core.alignment.pose_colours import follow_drift
 from mcsl_core.alignment.pose_solver import PoseSolver
 from mcsl_core.alignment.poses import solve_poses
 from mcsl_core.centering.gaze_files import GazeFile, Shown, read_gaze
@@ -38,6 +39,7 @@ from mcsl_core.temporary import temporary_folder
 from .cache import (
     CLOCKS,
     CLOSER,
+    COLOURS,
     CUTS,
     DAMAGE,
     DAMAGE_MET,
@@ -103,7 +105,6 @@ def _analysed(
     keys = stage_keys(cameras, reference.name, rate, frames, settings, chosen, drawn)
     watch = Watch(float(frames / rate), progress.note)
     by = {stage: attrs.evolve(offer, watch=watch).checked for stage, offer in chosen.items()}
-
     with ExitStack() as opened:
         samples = Deferred(opened.enter_context, _samples(footage, cache, keys.samples, settings.sample_s, progress))
         met = cache.remember(DAMAGE_MET, keys.samples, damage_met, footage, samples, progress)
@@ -112,6 +113,7 @@ def _analysed(
         movements = detection.movements
         solver = PoseSolver(sizes, reference.name, by["matcher"], by["aligner"], settings.solve)
         solved = cache.remember(POSES, keys.poses, solve_poses, solver, samples, movements, frames, progress, drawn)
+        colours = cache.remember(COLOURS, keys.colours, follow_drift, samples, solved, footage, movements, progress)
         segments = Deferred(scoring_segments, samples, solved, movements, by["occlusion"])
         table = cache.remember(SCORES, keys.scores, score_views, samples, solved, segments, movements, progress)
         table = cache.remember(CLOSER, keys.closer, look_closer, table, footage, segments, movements, progress)
@@ -129,7 +131,7 @@ def _analysed(
         reference=reference.name,
         cameras=footage.cameras,
         movements=movements,
-        poses=tuple(pose.pose for pose in solved),
+        poses=tuple(own.of(pose.pose) for own, pose in zip(colours, solved, strict=True)),
         shots=without_claims(with_switches_at(shots, cuts), fields),
         fields=fields,
         scores=place.scores.name,

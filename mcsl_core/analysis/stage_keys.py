@@ -14,6 +14,7 @@ from fractions import Fraction
 
 from attrs import frozen
 
+from mcsl_core.alignment.pose_colours import follow_drift
 from mcsl_core.alignment.poses import solve_poses
 from mcsl_core.code_keys import code_of
 from mcsl_core.edl import Camera, DrawnField, Shot
@@ -37,6 +38,7 @@ class StageKeys:
     samples: str
     movements: str
     poses: str
+    colours: str
     merits: str
     scores: str
     closer: str
@@ -64,10 +66,11 @@ def stage_keys(
     poses = key_of(code_of(solve_poses), movements, reference, by["matcher"], by["aligner"], settings.solve)
     if drawn:
         poses = key_of(poses, [(each.range.start, each.range.stop, each.polygons) for each in drawn])
+    colours = key_of(code_of(follow_drift), poses)
     merits = key_of(code_of(pose_merits), poses)
     scores = key_of(code_of(score_views), poses, by["occlusion"])
     closer = key_of(code_of(look_closer), scores)
-    return StageKeys(clocks, samples, movements, poses, merits, scores, closer)
+    return StageKeys(clocks, samples, movements, poses, colours, merits, scores, closer)
 
 
 def clocks_key(cameras: Sequence[Camera], reference: str, settings: AnalysisSettings) -> str:

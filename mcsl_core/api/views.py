@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mcsl_core.alignment.colour_match import apply_colour
+from mcsl_core.alignment.colour_match import apply_colour, colour_at
 from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.compositing.placement import programme_matrix
 from mcsl_core.edl import Edl
@@ -65,7 +65,7 @@ class Views:
         """The camera's picture where the programme would show it, nothing filled."""
         planes = warp_planes(self._own(camera, frame), self.placement(camera, frame), Rect(0, 0, *self.edl.size))
         decision, pose_index = self.decision_at(frame)
-        match = self.edl.poses[pose_index].colour.get(camera) if decision.colour else None
+        match = colour_at(self.edl.poses[pose_index], camera, (index(frame),)) if decision.colour else None
         return _rgb(planes if match is None else apply_colour(planes, match))
 
     def check_camera(self, camera: str) -> None:

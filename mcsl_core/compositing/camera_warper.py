@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from mcsl_core.alignment.colour_match import apply_colour, drift_at
 from mcsl_core.edl import Edl
 from mcsl_core.edl.placement import placement_matrix, still_range
 from mcsl_core.filling.protocol import CELL
@@ -195,7 +196,7 @@ class CameraWarper:
             In 8-bit codes, by cell of the programme.
         """
         size = (-(-self.edl.size[0] // CELL), -(-self.edl.size[1] // CELL))
-        now, before = self.own_picture(camera, frame), self._median_cells(camera, median_of)
+        now, before = self._level(camera, (frame,)), self._median_cells(camera, median_of)
         if now is None or before is None or not self.is_placed(pose_index, camera):
             return np.zeros(size[::-1], np.float32)
         difference = np.max([cv2.absdiff(a, b) for a, b in zip(_cell_means(now), before, strict=True)], axis=0)
@@ -227,9 +228,15 @@ class CameraWarper:
         matrix = self._placement(pose_index, camera)[0]
         return warp_field_footprint(size, warp_field_maps(matrix, warp_field, Rect(0, 0, width, height), offset))
 
+    def _level(self, camera: str, frames: tuple[int, ...]) -> Planes | None:
+        """Its own picture, or the median of several, without drift: light that changes is nobody who moves."""
+        planes = self.own_picture(camera, frames[0]) if len(frames) == 1 else self.median(camera, frames)
+        drift = drift_at(self.edl.poses[self.pose_at(frames[0])], camera, frames)
+        return planes if planes is None or drift is None else apply_colour(planes, drift)
+
     def _median_cells(self, camera: str, median_of: tuple[int, ...]) -> list[U8] | None:
         def make() -> list[U8] | None:
-            planes = self.median(camera, median_of)
+            planes = self._level(camera, median_of)
             return None if planes is None else _cell_means(planes)
 
         return self._medians.get((camera, median_of), make)

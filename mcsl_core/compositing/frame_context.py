@@ -10,7 +10,7 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
-from mcsl_core.alignment.colour_match import apply_colour
+from mcsl_core.alignment.colour_match import apply_colour, colour_at
 from mcsl_core.edl.placement import other_poses
 from mcsl_core.imaging.planes import U8, Planes, black, blurred
 from mcsl_core.imaging.rect import Rect
@@ -111,12 +111,12 @@ class FrameContext:
     ) -> Planes | None:
         if not median_of:
             planes = self.warper.own_picture(camera, self.frame)
-            return self._warped(camera, rect, planes, self.pose_index, blur_px, parallax_corrected)
+            return self._warped(camera, rect, planes, (self.frame,), blur_px, parallax_corrected)
 
         def make() -> Planes | None:
             pose_index = self.warper.pose_at(median_of[0])
             planes = self.warper.median(camera, median_of) if self.warper.is_placed(pose_index, camera) else None
-            return self._warped(camera, rect, planes, pose_index, blur_px, parallax_corrected)
+            return self._warped(camera, rect, planes, median_of, blur_px, parallax_corrected)
 
         if not self.steady:
             return make()
@@ -132,10 +132,18 @@ class FrameContext:
         return (pose_index, camera) == (self.pose_index, self.camera)
 
     def _warped(
-        self, camera: str, rect: Rect, planes: Planes | None, pose_index: int, blur_px: float, parallax_corrected: bool
+        self,
+        camera: str,
+        rect: Rect,
+        planes: Planes | None,
+        frames: Sequence[int],
+        blur_px: float,
+        parallax_corrected: bool,
     ) -> Planes | None:
+        """``planes``, of one frame or the median of several of one pose, warped and coloured."""
         if planes is None:
             return None
+        pose_index = self.warper.pose_at(frames[0])
         edge = self._is_front(pose_index, camera)
         border = 2 * round(1.5 * blur_px)
         wide = rect.grown(border)
@@ -145,6 +153,6 @@ class FrameContext:
             )
         else:
             planes = self.warper.warped(planes, pose_index, camera, self.offset, wide)
-        match = self.warper.edl.poses[pose_index].colour.get(camera) if self.colour else None
+        match = colour_at(self.warper.edl.poses[pose_index], camera, frames) if self.colour else None
         planes = planes if match is None else apply_colour(planes, match)
         return Rect(border, border, rect.width, rect.height).of(blurred(planes, blur_px)) if blur_px else planes

@@ -28,6 +28,8 @@ from mcsl_core.edl import Camera, Edl
 from mcsl_core.edl.dependencies import (
     Offset,
     View,
+    drift_over,
+    drifting,
     fill_views,
     follows_centering,
     offset_bounds,
@@ -121,14 +123,15 @@ def _contents(edl: Edl, base: Path, filler: Filler | None) -> Iterator[tuple[Fra
         piece = FrameRange(start, min(start + step, edl.frames))
         block = start - start % block_frames(edl) if filler.remembers else start
         before = remembered(block) if filler.remembers else ()
-        parts: list[tuple[FrameRange, tuple[str, bool]]] = []
+        parts: list[tuple[FrameRange, tuple[str, bool, tuple[int, tuple[str, ...]] | None]]] = []
         for span in (*(FrameRange(frame, frame + 1) for frame in before), FrameRange(block, piece.stop)):
             first = bisect_right(stretches, span.start, key=lambda s: s[0].start) - 1
             for stretch, decision, pose_index in stretches[first:]:
                 part = stretch.intersection(span)
                 if part is None:
                     break
-                parts.append((part, (facts.of(part, decision, pose_index), follows_centering(decision))))
+                drift = facts.drift(decision, pose_index)
+                parts.append((part, (facts.of(part, decision, pose_index), follows_centering(decision), drift)))
         yield (
             piece,
             _digest(
@@ -139,7 +142,8 @@ def _contents(edl: Edl, base: Path, filler: Filler | None) -> Iterator[tuple[Fra
                     # merged, since it does not matter whether an editor or the analysis chose what is shown
                     "parts": [
                         [part.start, part.stop, digest, offsets_over(edl, part) if keyed else None]
-                        for part, (digest, keyed) in merge_equal(parts)
+                        + ([drift_over(edl, *drift, part)] if drift else [])
+                        for part, (digest, keyed, drift) in merge_equal(parts)
                     ],
                 }
             ),
@@ -159,6 +163,12 @@ class _Facts:
         keyed = follows_centering(decision)
         offsets = self._bounds(pose_index) if keyed else (shift_at(self.edl, decision, part.start),)
         return fixed + self._filled(pose_index, offsets)
+
+    @kept
+    def drift(self, decision: Decision, pose_index: int) -> tuple[int, tuple[str, ...]] | None:
+        """The pose, and the cameras that drift in it, where any does."""
+        cameras = tuple(drifting(views_of(self.edl, self.edl.poses[pose_index], decision)))
+        return (pose_index, cameras) if cameras else None
 
     @kept
     def _bounds(self, pose_index: int) -> tuple[Offset, Offset]:
@@ -187,14 +197,16 @@ class _Facts:
         pose = self.edl.poses[pose_index]
         still = still_range(self.edl, pose)
         others = poses_filled_from(self.edl, pose_index, alone=fully_covered(self.edl, pose, offsets))
-        return _digest([[still.start, still.stop], *(self._beside(other) for other in others)])
+        own = drifting(fill_views(self.edl, pose_index).views)  # it takes medians of any frames of the pose
+        return _digest([[still.start, still.stop], *([own] if own else []), *(self._beside(o) for o in others)])
 
     @kept
     def _beside(self, pose_index: int) -> list[Any]:
         seen = fill_views(self.edl, pose_index)
         places = {view.camera.name: view.placement for view in seen.views}
         colours = {view.camera.name: view.colour for view in seen.views if view.colour is not None}
-        return [[seen.still.start, seen.still.stop], places, colours, [self._source(view) for view in seen.views]]
+        sources, drift = [self._source(view) for view in seen.views], drifting(seen.views)
+        return [[seen.still.start, seen.still.stop], places, colours, sources, *([drift] if drift else [])]
 
     def _source(self, view: View) -> list[Any]:
         return [view.camera.name, self._files(view.camera.name), list(view.camera.size), view.clock, view.gaps]

@@ -5,7 +5,7 @@ follows from a document stands beside: `resolve` (what holds after the editor's 
 pictures lie), `edits` (changes to a whole document).
 """
 
-from .colour import Colour, Matrix34
+from .colour import Colour, ColourKey, Matrix34
 from .field import DrawnField, FieldStretch
 from .outside import allowed_outside, remember
 from .relief import Relief
@@ -35,6 +35,7 @@ __all__ = [
     "CenteringKey",
     "Clock",
     "Colour",
+    "ColourKey",
     "Correction",
     "DrawnField",
     "Edl",

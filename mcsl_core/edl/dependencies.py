@@ -8,11 +8,13 @@ side uses it too.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from attrs import frozen
 
 from mcsl_core.timing import FrameRange
 
-from .colour import Matrix34
+from .colour import ColourKey, Matrix34, keys_over
 from .placement import first_of_perspective, other_poses, placement_matrix, still_range
 from .resolve import Decision, offset_at
 from .schema import Camera, Edl, Matrix, Pose
@@ -26,12 +28,13 @@ class View:
     """One camera's part in the pictures of a pose: its files on its clock, where it is laid, in which colours.
 
     placement: camera pixel -> programme pixel before centering; None where that is not known. colour: None where its
-    colours stay as they are.
+    colours stay as they are. colour_keys: of all of the pose, none where the camera does not drift.
     """
 
     camera: Camera
     placement: Matrix | None
     colour: Matrix34 | None
+    colour_keys: tuple[ColourKey, ...] = ()
 
     @property
     def clock(self) -> list[float]:
@@ -62,9 +65,13 @@ def views_of(edl: Edl, pose: Pose, decision: Decision) -> tuple[View, ...]:
     for camera in edl.cameras:
         placement = placement_matrix(edl, pose, camera.name)
         if camera.name in first or any_other or (decision.fill and placement is not None):
-            colour = pose.colour[camera.name].matrix if decision.colour and camera.name in pose.colour else None
-            found.append(View(camera, placement, colour))
+            found.append(_view(pose, camera, placement, coloured=decision.colour))
     return tuple(found)
+
+
+def _view(pose: Pose, camera: Camera, placement: Matrix | None, *, coloured: bool) -> View:
+    colour = pose.colour[camera.name].matrix if coloured and camera.name in pose.colour else None
+    return View(camera, placement, colour, pose.colour_keys.get(camera.name, ()) if coloured else ())
 
 
 def _may_lack_pictures(edl: Edl, name: str) -> bool:
@@ -79,11 +86,7 @@ def fill_views(edl: Edl, pose_index: int) -> FillViews:
     """What the fill may look at of a pose; in its colours, whether they are matched or not."""
     pose = edl.poses[pose_index]
     placed = [(camera, placement_matrix(edl, pose, camera.name)) for camera in edl.cameras]
-    views = [
-        View(camera, placement, pose.colour[camera.name].matrix if camera.name in pose.colour else None)
-        for camera, placement in placed
-        if placement is not None
-    ]
+    views = [_view(pose, camera, placement, coloured=True) for camera, placement in placed if placement is not None]
     return FillViews(still_range(edl, pose), tuple(views))
 
 
@@ -108,6 +111,16 @@ def offsets_over(edl: Edl, part: FrameRange) -> list[tuple[int, float, float]]:
     """
     inside = [frame for frame, _, _ in edl.centering if part.start < frame < part.stop - 1]
     return [(frame, *offset_at(edl.centering, frame)) for frame in (part.start, *inside, part.stop - 1)]
+
+
+def drifting(views: Iterable[View]) -> dict[str, tuple[ColourKey, ...]]:
+    """The cameras whose colours drift, with the keys of all of the pose."""
+    return {view.camera.name: view.colour_keys for view in views if view.colour_keys}
+
+
+def drift_over(edl: Edl, pose_index: int, cameras: Iterable[str], part: FrameRange) -> dict[str, list[ColourKey]]:
+    """How the colours of these cameras drift over ``part`` of a pose."""
+    return {name: keys_over(edl.poses[pose_index].colour_keys[name], part) for name in cameras}
 
 
 def offset_bounds(edl: Edl, part: FrameRange) -> tuple[Offset, Offset]:

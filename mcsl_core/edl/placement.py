@@ -5,9 +5,11 @@ Plain tuples, no numpy: Blender's side uses it too. Conventions as in `edl.schem
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from mcsl_core.timing import FrameRange
 
-from .schema import Edl, Matrix, Pose
+from .schema import Edl, Matrix, Movement, Pose
 
 
 def multiply(a: Matrix, b: Matrix) -> Matrix:
@@ -60,13 +62,18 @@ def fit_matrix(size: tuple[int, int], to: tuple[int, int]) -> Matrix:
 
 def still_range(edl: Edl, pose: Pose) -> FrameRange:
     """The frames of ``pose`` in which the lamp stands still; all of them where it never does."""
-    start, stop = pose.range.start, pose.range.stop
-    for movement in edl.movements:
+    return still_part(pose.range, edl.movements)
+
+
+def still_part(piece: FrameRange, movements: Sequence[Movement]) -> FrameRange:
+    """``piece`` without what movements take of its ends; all of it where that leaves nothing."""
+    start, stop = piece.start, piece.stop
+    for movement in movements:
         if start in movement.range:
             start = movement.range.stop
         if stop - 1 in movement.range:
             stop = movement.range.start
-    return FrameRange(start, stop) if start < stop else pose.range
+    return FrameRange(start, stop) if start < stop else piece
 
 
 def other_poses(edl: Edl, pose_index: int) -> tuple[int, ...]:

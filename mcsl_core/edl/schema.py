@@ -36,7 +36,7 @@ from .checks import (
     check_matrix,
     require,
 )
-from .colour import Colour
+from .colour import Colour, ColourKey, check_keys
 from .field import DrawnField, FieldStretch
 from .relief import Relief
 
@@ -133,6 +133,14 @@ class Pose:
         default=0, validator=NOT_NEGATIVE, metadata=doc("poses of one number share the programme's perspective")
     )
     colour: Mapping[str, Colour] = field(factory=dict, metadata=doc("camera -> match to the reference camera"))
+    colour_keys: Mapping[str, tuple[ColourKey, ...]] = field(
+        factory=dict,
+        metadata=doc(
+            "camera -> [frame, r, g, b]: what its R', G' and B' are multiplied with before the match, linear between "
+            "keys, held outside; without, it does not drift",
+            optional=True,
+        ),
+    )
     solved_from: tuple[int, ...] = field(
         default=(), validator=NOT_NEGATIVE, metadata=doc("programme frames the homographies were solved from")
     )
@@ -155,6 +163,8 @@ class Pose:
         for name, matrix in self.homographies.items():
             check_matrix(matrix, f".homographies{key_path(name)}")
         check_matrix(self.anchor, ".anchor")
+        for name, keys in self.colour_keys.items():
+            check_keys(keys, self.range, f".colour_keys{key_path(name)}")
 
     @property
     def weak_cameras(self) -> frozenset[str]:
@@ -317,7 +327,7 @@ class Edl:
         names = [c.name for c in self.cameras]
         for index, pose in enumerate(self.poses):
             at = f".poses[{index}]"
-            for part in ("homographies", "colour", "residual_px", "support"):
+            for part in ("homographies", "colour", "colour_keys", "residual_px", "support"):
                 self._check_names((f"{at}.{part}{key_path(name)}", name) for name in getattr(pose, part))
             reliefs = () if pose.relief is None else pose.relief.projections
             self._check_names((f"{at}.relief.projections{key_path(name)}", name) for name in reliefs)

@@ -50,12 +50,12 @@ class Exposure:
     inside: Mask
 
     @classmethod
-    def of(cls, pictures: Sequence[U8], inside: Mask) -> Exposure:
+    def of(cls, pictures: Sequence[Float], inside: Mask) -> Exposure:
         """The usual one among several moments: the median of pictures brought to one level.
 
         Parameters
         ----------
-        pictures : sequence of (h, w, 3) uint8 array
+        pictures : sequence of (h, w, 3) float array
             Of one camera in order of time, as `small` makes them.
         inside : (H, W) bool array
             What counts, of any size.
@@ -65,13 +65,13 @@ class Exposure:
         level = [picture if gain is None else picture * gain for picture, gain in zip(pictures, gains, strict=True)]
         return cls(np.median(level, axis=0).astype(np.float32), covered)
 
-    def gain(self, picture: U8) -> Float | None:
+    def gain(self, picture: Float) -> Float | None:
         """What a picture is to be multiplied with to look as usual; see `gain_between`."""
         log = gain_between(picture, self.usual, self.inside)
         return None if log is None else np.exp(log).astype(np.float32)
 
 
-def gain_between(picture: NDArray, other: NDArray, inside: Mask, share: float = _LEAST) -> Logs | None:
+def gain_between(picture: Float, other: Float, inside: Mask, share: float = _LEAST) -> Logs | None:
     """What one picture is to be multiplied with to look as another.
 
     Parameters
@@ -88,12 +88,11 @@ def gain_between(picture: NDArray, other: NDArray, inside: Mask, share: float = 
     (3,) float array or None
         Natural logarithms for blue, green and red, of gains of 0.5 to 2; None where it is not sure.
     """
-    a, b = picture.astype(np.float32), other.astype(np.float32)
-    low, high = np.minimum(a, b).min(axis=2), np.maximum(a, b).max(axis=2)
+    low, high = np.minimum(picture, other).min(axis=2), np.maximum(picture, other).max(axis=2)
     known = inside & (low > _DARK) & (high < _BRIGHT)
     if known.sum() < max(_KNOWN * inside.sum(), 1):
         return None
-    ratio = np.log(b[known] / a[known])
+    ratio = np.log(other[known] / picture[known])
     voters, tried = (ratio[:: max(1, len(ratio) // count)] for count in (_VOTERS, _TRIED))
     near = np.all(np.abs(tried[:, None] - voters) < _ALIKE, axis=2)
     middle = tried[int(np.argmax(near.sum(axis=1)))]
@@ -106,12 +105,12 @@ def gain_between(picture: NDArray, other: NDArray, inside: Mask, share: float = 
     return None if best.mean() < share or (np.abs(middle) >= _MOST).any() else middle.astype(np.float64)
 
 
-def common_gains(pictures: Sequence[U8], inside: Mask) -> list[Float | None]:
+def common_gains(pictures: Sequence[Float], inside: Mask) -> list[Float | None]:
     """What brings each picture of a camera to one exposure, the middle of all.
 
     Parameters
     ----------
-    pictures : sequence of (h, w, 3) uint8 array
+    pictures : sequence of (h, w, 3) float array
         In order of time, as `small` makes them.
     inside : (h, w) bool array
         What counts.
@@ -136,7 +135,9 @@ def common_gains(pictures: Sequence[U8], inside: Mask) -> list[Float | None]:
     return [np.exp(log).astype(np.float32) if sure else None for log, sure in zip(logs, known, strict=True)]
 
 
-def levels(count: int, pairs: NDArray[np.int64], ratios: Logs) -> tuple[Logs, NDArray[np.int32]]:
+def levels(
+    count: int, pairs: NDArray[np.int64], ratios: Logs, weights: NDArray[np.float64] | None = None
+) -> tuple[Logs, NDArray[np.int32]]:
     """The level of every picture from what pairs of them say; pairs that contradict the others count little.
 
     Parameters
@@ -147,6 +148,8 @@ def levels(count: int, pairs: NDArray[np.int64], ratios: Logs) -> tuple[Logs, ND
         Which pictures were compared.
     ratios : (E, 3) float array
         What `gain_between` says of the first of each pair against the second.
+    weights : (E,) float array, optional
+        How much each pair counts; alike without.
 
     Returns
     -------
@@ -158,13 +161,14 @@ def levels(count: int, pairs: NDArray[np.int64], ratios: Logs) -> tuple[Logs, ND
     rows = np.arange(len(pairs))
     ends = (np.r_[np.ones(len(pairs)), -np.ones(len(pairs))], (np.r_[rows, rows], np.r_[pairs[:, 0], pairs[:, 1]]))
     difference = csr_array(coo_array(ends, shape=(len(pairs), count)))
-    weight = np.ones(len(pairs))
+    own = np.ones(len(pairs)) if weights is None else weights
+    weight = own
     found = np.zeros((count, 3))
     for _ in range(_ROUNDS):
         weighted = difference.T.multiply(weight)
         found = splu((weighted @ difference + 1e-9 * eye_array(count)).tocsc()).solve(weighted @ ratios)
         off = np.abs(difference @ found - ratios).max(axis=1)
-        weight = 1 / (1 + (off / _WRONG) ** 2)
+        weight = own / (1 + (off / _WRONG) ** 2)
     _, group = connected_components(difference.T @ difference, directed=False)
     return found, group
 
@@ -181,8 +185,8 @@ def levelled(picture: U8, gain: Float | None) -> U8:
     return cv2.convertScaleAbs(picture.astype(np.float32) * gain)  # pyright: ignore[reportReturnType]
 
 
-def small(picture: U8) -> U8:
-    """A whole picture as small as gains need it."""
+def small(picture: U8) -> Float:
+    """A whole picture as small as gains need it; in fractions of codes, or small changes would be rounded away."""
     height, width = picture.shape[:2]
     size = (min(_COLUMNS, width), max(1, round(height * min(_COLUMNS, width) / width)))
-    return cv2.resize(picture, size, interpolation=cv2.INTER_AREA)  # pyright: ignore[reportReturnType]
+    return cv2.resize(picture.astype(np.float32), size, interpolation=cv2.INTER_AREA)  # pyright: ignore[reportReturnType]

@@ -196,6 +196,10 @@ class SampleStore:
         spans = self._index[position]
         return self._read(*spans[camera][:2]) if camera in spans else None
 
+    def shown_frame(self, position: int, camera: str) -> int:
+        """The programme frame that a camera's picture at one position belongs to; reads none."""
+        return self._index[position][camera][2]
+
     def shows(self, position: int, camera: str) -> bool:
         """Whether a camera has a picture at one position; reads none."""
         return camera in self._index[position]

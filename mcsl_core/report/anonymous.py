@@ -60,6 +60,7 @@ def _pose(pose: Pose, names: Mapping[str, str]) -> Pose:
         pose,
         homographies=renamed(pose.homographies),
         colour=renamed(pose.colour),
+        colour_keys=renamed(pose.colour_keys),
         residual_px=renamed(pose.residual_px),
         support=renamed(pose.support),
         relief=pose.relief and attrs.evolve(pose.relief, projections=renamed(pose.relief.projections)),

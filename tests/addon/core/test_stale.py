@@ -53,6 +53,13 @@ def test_without_fill_a_correction_touches_that_cameras_shots_alone():
     assert o.changed(o.basis_of(moved), o.basis_of(plain)) == (R(200, 300),)
 
 
+def test_a_drift_of_colours_touches_the_shots_that_it_is_seen_in():
+    plain = attrs.evolve(EDL, look=Look(fill=False))
+    pose = attrs.evolve(EDL.poses[0], colour_keys={"cam3": ((0, 1.0, 1.0, 1.0), (250, 1.1, 1.0, 0.9))})
+    drifting = attrs.evolve(plain, poses=(pose,))
+    assert o.changed(o.basis_of(drifting), o.basis_of(plain)) == (R(200, 300),)
+
+
 def test_a_text_that_is_not_ours_holds_nothing():
     for text in ("", "null", "[[3]]", "[[0, 'a']]", '[[5, "a"], [4, "b"]]'):
         assert o.from_text(text) == ()

@@ -22,7 +22,7 @@ from mcsl_core.hooks.registry import Plugins, discover
 from mcsl_core.hooks.stages import STAGES
 from mcsl_core.timing import FrameRange
 
-STAGE_NAMES = ("clocks", "samples", "movements", "poses", "merits", "scores", "closer", "cuts")
+STAGE_NAMES = ("clocks", "samples", "movements", "poses", "colours", "merits", "scores", "closer", "cuts")
 SHOTS = (Shot(FrameRange(0, 50), "a"), Shot(FrameRange(50, 90), "b"))
 
 
@@ -104,6 +104,13 @@ def test_a_changed_module_changes_the_stages_that_use_it_and_what_is_made_from_t
     path = tree / file
     path.write_text(path.read_text() + "\nADDED = 1\n")
     assert changed(before, keys()) == (set() if first is None else from_stage(first))
+
+
+def test_how_drift_is_followed_changes_the_colours_alone(tree: Path) -> None:
+    before = keys()
+    path = tree / "alignment" / "drift.py"
+    path.write_text(path.read_text() + "\nADDED = 1\n")
+    assert changed(before, keys()) == {"colours"}
 
 
 def test_words_and_layout_are_no_code(tree: Path) -> None:

@@ -279,6 +279,29 @@ def test_colour_matches_the_camera_before_the_fill(tmp_path):
     assert psnr(plain.y, bgr_to_planes(picture).y) < 25
 
 
+@pytest.mark.parametrize("fill", [False, True])
+def test_a_camera_that_drifts_looks_the_same_in_every_frame(tmp_path, fill):
+    """Camera b grows darker and bluer, the reference brighter; the keys take both back, in the fill's medians too."""
+    picture, frames = texture(0, dark=60) * 0.8, 8
+    steps = {"a": np.array([0.03, 0.03, 0.03]), "b": np.array([0, -0.04, -0.05])}
+    gains = {name: [1 + step * n for n in range(frames)] for name, step in steps.items()}
+    keys = {name: tuple((n, *(1 / g[::-1]).tolist()) for n, g in enumerate(own)) for name, own in gains.items()}
+    seen = {name: [np.clip(picture * g, 0, 255).astype(np.uint8) for g in own] for name, own in gains.items()}
+    seen["b"] = [np.roll(shown, -30, axis=1) for shown in seen["b"]]
+    homographies = {"a": ((1, 0, 0), (0, 1, 0), (0, 0, 1)), "b": ((1, 0, 30.0), (0, 1, 0), (0, 0, 1))}
+    pose = Pose(FrameRange(0, frames), homographies, weak=(Weak("c", ""),), colour_keys=keys)
+    shots = (Shot(FrameRange(0, 4), "b"), Shot(FrameRange(4, frames), "a"))
+    cameras = {**seen, "c": seen["a"]}
+    look = Look(False, fill, True)
+    edl = make(tmp_path, cameras=cameras, frames=frames, poses=(pose,), shots=shots, look=look)
+    wanted = bgr_to_planes(picture.astype(np.uint8))
+    part = (slice(None), slice(0 if fill else 32, None))
+    for planes in compose(edl, tmp_path):
+        assert psnr(planes.y[part], wanted.y[part]) > 35
+    plain = compose(edl, tmp_path, look=Look(False, fill, False))
+    assert psnr(plain[3].y[part], wanted.y[part]) < 28
+
+
 def test_the_papers_filler_keeps_the_past_where_nobody_sees(tmp_path):
     """The reference itself, shifted by the centering after some frames: what it lost comes from the frame before."""
     edl = make(

@@ -70,6 +70,23 @@ def test_keys_follow_what_the_pixels_depend_on(sources, tmp_path):
     assert changed(remembered, touched) == [30, 60, 90, 120]
 
 
+def test_a_drift_of_colours_touches_the_chunks_that_it_lies_in(sources):
+    """Without fill; the fill takes from pictures of any time of the pose."""
+
+    def plan(*keys, **look):
+        pose = Pose(FrameRange(0, FRAMES), {"a": EYE, "b": EYE}, colour_keys={"b": keys} if keys else {})
+        return plan_chunks(make(poses=(pose,), look=Look(**{"centering": False, "fill": False, **look})), sources)
+
+    flat = [(frame, 1.0, 1.0, 1.0) for frame in (0, 60, 90, 110, 129)]
+    other = [*flat[:3], (110, 1.1, 1.0, 1.0), flat[4]]
+    shown = [chunk.range.start for chunk in plan() if chunk.range.start >= 30]  # before it camera a alone is shown
+    assert changed(plan(*flat), plan(*other)) == [90, 120]
+    assert changed(plan(), plan(*flat)) == shown
+    assert changed(plan(*flat, fill=True), plan(*other, fill=True)) == [0, 30, 60, 90, 120]
+    assert changed(plan(*flat, colour=False), plan(*other, colour=False)) == []
+    assert changed(plan(colour=False), plan(*other, colour=False)) == []
+
+
 def test_a_plan_looks_at_the_cameras_footprints_once_a_pose_however_many_shots(sources, monkeypatch):
     asked = []
     covered = fully_covered

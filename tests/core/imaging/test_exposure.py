@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mcsl_core.alignment.aligned_views import AlignedPose
-from mcsl_core.imaging.exposure import Exposure, changed, levelled, small
+from mcsl_core.imaging.exposure import Exposure, changed, common_gains, levelled, small
 from mcsl_core.occlusion.consensus import Consensus
 
 SIZE = (240, 136)
@@ -78,3 +78,24 @@ def test_clear_cameras_read_clear_while_their_exposure_settles() -> None:
     scores = scorer.score(aligned.views(pictures))
     assert scores["cam1"] < 0.1
     assert min(scores["cam2"], scores["cam3"]) > 0.9
+
+
+def test_a_head_that_wanders_before_half_of_every_picture_does_not_hide_its_gain() -> None:
+    """The first and the last picture have next to nothing in common; the light grows meanwhile."""
+    gains = np.linspace(0.8, 1.25, 12)
+    pictures = []
+    for at, gain in enumerate(gains):
+        picture = scene()
+        cv2.circle(picture, (round(20 + 18 * at), 68), 80, (150, 110, 60), -1)
+        pictures.append(small(seen(picture, float(gain), at)))
+    found = common_gains(pictures, np.ones(pictures[0].shape[:2], bool))
+    assert all(gain is not None for gain in found)
+    level = np.array(found) * gains[:, None]
+    assert np.ptp(level, axis=0).max() < 0.02 * level.mean()
+
+
+def test_pictures_that_have_nothing_in_common_have_no_gain() -> None:
+    pictures = [small(seen(scene(seed), seed=seed)) for seed in range(4)]
+    pictures = [np.roll(picture, 9 * n, axis=(0, 1)) for n, picture in enumerate(pictures)]
+    assert common_gains(pictures, np.ones(pictures[0].shape[:2], bool)) == [None] * 4
+    assert common_gains(pictures[:1], np.ones(pictures[0].shape[:2], bool)) == [None]
