@@ -16,14 +16,14 @@ from __future__ import annotations
 import hashlib
 import json
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from attrs import frozen
 
 from mcsl_core.documents import canonical_json
 from mcsl_core.edl import Edl
-from mcsl_core.edl.dependencies import View, views_of
+from mcsl_core.edl.dependencies import View, relief_of, views_of
 from mcsl_core.edl.resolve import Decision, resolve_by_pose
 from mcsl_core.timing import FrameRange, merge_equal
 
@@ -35,6 +35,7 @@ def basis_of(edl: Edl) -> Basis:
     common = _digest([str(edl.rate), list(edl.size), edl.reference, _filler(edl)])
     centering = _digest([list(key) for key in edl.centering])
     views: dict[Any, str] = {}
+    reliefs: dict[Any, str] = {}
     pieces = []
     for span, decision, number in resolve_by_pose(edl):
         centre: Any = centering if decision.centering else None
@@ -44,6 +45,11 @@ def basis_of(edl: Edl) -> Basis:
         if key not in views:
             views[key] = _digest([_source(view) for view in views_of(edl, edl.poses[number], decision)])
         facts = [common, decision.camera, centre, decision.fill, decision.colour, views[key]]
+        relief = number, decision.surface
+        if relief not in reliefs:
+            known = relief_of(edl, edl.poses[number], surface=decision.surface)
+            reliefs[relief] = "" if known is None else _digest(known)
+        facts += [reliefs[relief]] if reliefs[relief] else []  # a pose without is as before there were any
         for part, eases in _eased(span, decision):  # a centre by hand glides in and out; between, it stands
             pieces.append((part, _digest([*facts, centering, eases] if eases else facts)))
     return tuple(merge_equal(pieces))
@@ -76,6 +82,8 @@ def _digest(value: Any) -> str:
 
 
 def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return [[name, _plain(value[name])] for name in sorted(value)]
     return [_plain(v) for v in value] if isinstance(value, list | tuple) else value
 
 

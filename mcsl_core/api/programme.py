@@ -247,7 +247,7 @@ class Programme(Fields):
     def to_programme(self, points: ArrayLike, camera: str, frame: int) -> NDArray[np.float64]:
         """Where pixels of a camera lie in the programme at a frame, as its picture would be laid there.
 
-        Homography, the pose's anchor, a correction by hand and the centering at that frame are all in it.
+        Homography, the pose's anchor and relief, a correction by hand and the centering at that frame are all in it.
 
         Parameters
         ----------
@@ -265,19 +265,19 @@ class Programme(Fields):
 
         Notes
         -----
-        It is the plane of the field that is aligned: what lies above or below it is moved along with the plane. Where
-        the fill is on, the picture is bent by a few pixels towards its edge, which is not in it either. A weak camera,
-        whose place nobody knows, fills the frame as it is.
+        Without a relief, or with ``surface`` off, the plane of the field is aligned: what lies off it moves along with
+        it, and the fill bends the picture by some pixels towards its edge, which is not in it. With a relief, hands
+        that stand above it go along with it. A weak camera fills the frame as it is.
 
         Examples
         --------
         >>> p.to_programme([[640, 360]], "cam3", 900)
         """
-        return moved(self._views.placement(camera, frame), points)
+        return moved(self._views.placement(camera, frame).to_programme, points)
 
     def to_camera(self, points: ArrayLike, camera: str, frame: int) -> NDArray[np.float64]:
         """Where programme pixels lie in a camera's full-size picture; the inverse of `to_programme`, shapes alike."""
-        return moved(np.asarray(np.linalg.inv(self._views.placement(camera, frame)), np.float64), points)
+        return moved(self._views.placement(camera, frame).to_camera, points)
 
     # ------------------------------------------------------------------------------------------------- delivery
 

@@ -6,7 +6,7 @@ Pictures are (H, W, 3) uint8, RGB. Places are (x, y), pixel centres at integers.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from operator import index
 
@@ -16,15 +16,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from mcsl_core.alignment.colour_match import apply_colour, colour_at
 from mcsl_core.compositing.compositor import Compositor
-from mcsl_core.compositing.placement import programme_matrix
+from mcsl_core.compositing.placement import programme_matrix, surface_of
 from mcsl_core.edl import Edl
+from mcsl_core.edl.placement import placement_matrix
 from mcsl_core.edl.resolve import Decision, resolve_by_pose, shift_at
 from mcsl_core.errors import Fault, MediaError, UsageError
 from mcsl_core.hooks.registry import filler_of
-from mcsl_core.imaging.geometry import Homography, transform_points
+from mcsl_core.imaging.geometry import Array, translation
 from mcsl_core.imaging.planes import U8, Planes, planes_to_bgr
 from mcsl_core.imaging.rect import Rect
-from mcsl_core.imaging.warp import warp_planes
+from mcsl_core.imaging.relief import Placement
+from mcsl_core.imaging.warp import WarpField, remap_planes, warp_field_maps, warp_planes
+from mcsl_core.lru_cache import kept
 from mcsl_core.recording.footage import Footage
 from mcsl_core.timing import FrameRange
 
@@ -50,12 +53,20 @@ class Views:
         _, decision, pose_index = self._stretches[bisect_right(self._stretches, at, key=lambda s: s[0].start) - 1]
         return decision, pose_index
 
-    def placement(self, camera: str, frame: int) -> Homography:
-        """Camera pixel -> programme pixel at a frame, as the compositor lays that camera's picture."""
+    def placement(self, camera: str, frame: int) -> Placement:
+        """Where the compositor lays a camera's picture at a frame."""
         self.check_camera(camera)
         decision, pose_index = self.decision_at(frame)
-        shift = shift_at(self.edl, decision, index(frame))
-        return programme_matrix(self.edl, self.edl.poses[pose_index], camera, shift)
+        pose = self.edl.poses[pose_index]
+        matrix = programme_matrix(self.edl, pose, camera)
+        if placement_matrix(self.edl, pose, camera) is None:
+            return Placement(matrix)
+        surface = self._surface(pose_index, camera) if decision.surface else None
+        return Placement(matrix, surface, shift_at(self.edl, decision, index(frame)))
+
+    @kept
+    def _surface(self, pose_index: int, camera: str) -> WarpField | None:
+        return surface_of(self.edl, self.edl.poses[pose_index], camera)
 
     def camera_frame(self, camera: str, frame: int) -> U8:
         """What the camera sees, in its own size."""
@@ -63,7 +74,11 @@ class Views:
 
     def aligned_frame(self, camera: str, frame: int) -> U8:
         """The camera's picture where the programme would show it, nothing filled."""
-        planes = warp_planes(self._own(camera, frame), self.placement(camera, frame), Rect(0, 0, *self.edl.size))
+        own, laid, whole = self._own(camera, frame), self.placement(camera, frame), Rect(0, 0, *self.edl.size)
+        if laid.field is None:
+            planes = warp_planes(own, translation(*laid.offset) @ laid.matrix, whole)
+        else:
+            planes = remap_planes(own, warp_field_maps(laid.matrix, laid.field, whole, laid.offset))
         decision, pose_index = self.decision_at(frame)
         match = colour_at(self.edl.poses[pose_index], camera, (index(frame),)) if decision.colour else None
         return _rgb(planes if match is None else apply_colour(planes, match))
@@ -108,15 +123,15 @@ class Views:
         return planes
 
 
-def moved(matrix: Homography, points: ArrayLike) -> NDArray[np.float64]:
-    """Points (N, 2) or (2,) through a homography; UsageError where they are no points."""
+def moved(way: Callable[[Array], Array], points: ArrayLike) -> NDArray[np.float64]:
+    """Points (N, 2) or (2,) taken ``way``, which takes (N, 2); UsageError where they are no points."""
     try:
         given = np.asarray(points, np.float64)
     except (TypeError, ValueError):
         raise UsageError(f"points are numbers, got {points!r}"[:200], remedy="Give [[x, y], ...]") from None
     if given.ndim not in (1, 2) or given.shape[-1] != 2:
         raise UsageError(f"points are (N, 2) or (2,), got an array of shape {given.shape}", remedy="Give [[x, y], ...]")
-    return transform_points(matrix, given.reshape(-1, 2)).reshape(given.shape)
+    return way(given.reshape(-1, 2)).reshape(given.shape)
 
 
 def _rgb(planes: Planes) -> U8:

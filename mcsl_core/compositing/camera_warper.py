@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from contextlib import ExitStack, closing
+from typing import Literal
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from mcsl_core.alignment.colour_match import apply_colour, drift_at
-from mcsl_core.edl import Edl
+from mcsl_core.edl import Edl, Relief
 from mcsl_core.edl.placement import placement_matrix, still_range
 from mcsl_core.filling.protocol import CELL
 from mcsl_core.filling.viewpoint import viewpoint_difference
@@ -32,15 +33,17 @@ from mcsl_core.lru_cache import LruCache, kept
 
 from .parallax import Parallax
 from .picture_source import PicturePlayer, PictureSource
-from .placement import programme_matrix
+from .placement import has_relief, programme_matrix, surface_of
 
 # Of what comes again frame after frame while the programme stands still, at 1080p; more of a larger programme.
 _PICTURES_BYTES = 50_000_000  # warped medians: 16 of the whole frame
 _MAPS_BYTES = 60_000_000  # tables for remapping: 3 of the whole frame
 _MEDIANS_BYTES = 5_000_000  # medians by cell, 24 kB each
 _EDGES_BYTES = 5_000_000  # tapered warp fields, 80 kB each
+_SURFACES_BYTES = 10_000_000  # what reliefs add, 500 kB each
 _EDGE = 1 / 15  # of the programme's width: over so much the chosen camera's picture goes over into the others'
 _TO_CELL = np.array([[1 / CELL, 0, 0.5 / CELL - 0.5], [0, 1 / CELL, 0.5 / CELL - 0.5], [0, 0, 1]])
+Laid = Literal["plane", "surface", "parallax", "edge"]  # see `CameraWarper.warped`
 Offset = tuple[float, float]  # the centering's, in programme pixels
 
 
@@ -75,7 +78,8 @@ class CameraWarper:
         self.still = tuple(still_range(edl, pose) for pose in edl.poses)
         sizes = tuple((camera.name, camera.size) for camera in edl.cameras)
         matrices = tuple(placement_matrix(edl, pose, name) for pose in edl.poses for name, _ in sizes)
-        self.geometry = hash((edl.size, edl.rate, edl.reference, sizes, self.still, matrices))
+        reliefs = tuple(_facts(pose.relief) for pose in edl.poses)
+        self.geometry = hash((edl.size, edl.rate, edl.reference, sizes, self.still, matrices, reliefs))
         self._forget()
         self._stack = ExitStack()
         self._players: dict[str, PicturePlayer] = {}
@@ -93,6 +97,7 @@ class CameraWarper:
         self._maps: LruCache[RemapTables] = LruCache(round(larger * _MAPS_BYTES))
         self._medians: LruCache[list[U8] | None] = LruCache(round(larger * _MEDIANS_BYTES))
         self._edges: LruCache[WarpField | None] = LruCache(_EDGES_BYTES)
+        self._surfaces: LruCache[WarpField | None] = LruCache(_SURFACES_BYTES)
 
     def own_picture(self, camera: str, frame: int) -> Planes | None:
         """The camera's own picture at programme frame ``frame``, decoded once; None where it has none."""
@@ -124,8 +129,22 @@ class CameraWarper:
 
         return tuple(sorted(known, key=apart))
 
-    def warped(self, planes: Planes, pose_index: int, camera: str, offset: Offset, rect: Rect) -> Planes:
-        """A camera's picture warped by its homography.
+    def has_relief(self, pose_index: int, camera: str) -> bool:
+        """Whether the pose's relief says where the camera's picture lies."""
+        return has_relief(self.edl, self.edl.poses[pose_index], camera)
+
+    def warped(
+        self,
+        planes: Planes,
+        pose_index: int,
+        camera: str,
+        offset: Offset,
+        rect: Rect,
+        *,
+        laid: Laid = "plane",
+        again: bool = False,
+    ) -> Planes:
+        """A camera's picture as it lies in the programme, by one resampling.
 
         Parameters
         ----------
@@ -139,25 +158,9 @@ class CameraWarper:
             The centering's, in programme pixels.
         rect : Rect
             The part of the programme to make.
-
-        Returns
-        -------
-        Planes
-            Of the size of ``rect``; black outside the picture.
-        """
-        return warp_planes(planes, self._matrix(pose_index, camera, offset), rect, self._resampling)
-
-    def parallax_corrected(
-        self, planes: Planes, pose_index: int, camera: str, offset: Offset, rect: Rect, *, edge: bool, again: bool
-    ) -> Planes:
-        """As `warped`, with the residual parallax taken out.
-
-        Parameters
-        ----------
-        planes, pose_index, camera, offset, rect
-            As of `warped`.
-        edge : bool
-            Only towards the picture's edge, over 1/15 of the programme's width.
+        laid : {"plane", "surface", "parallax", "edge"}
+            By its homography alone; by the pose's relief; with the residual parallax taken out, everywhere or only
+            towards the picture's edge, over 1/15 of the programme's width.
         again : bool
             The same warp will be asked for once more: its remap tables are kept.
 
@@ -166,14 +169,14 @@ class CameraWarper:
         Planes
             Of the size of ``rect``; black outside the picture.
         """
-        warp_field = self._warp_field(pose_index, camera, edge)
+        warp_field = self._warp_field(pose_index, camera, laid)
         if warp_field is None:
-            return self.warped(planes, pose_index, camera, offset, rect)
+            return warp_planes(planes, self._matrix(pose_index, camera, offset), rect, self._resampling)
 
         def make() -> RemapTables:
             return warp_field_maps(self._placement(pose_index, camera)[0], warp_field, rect, offset)
 
-        key = pose_index, camera, edge, offset, rect
+        key = pose_index, camera, laid, offset, rect
         return remap_planes(planes, self._maps.get(key, make) if again else make(), self._resampling)
 
     def change(
@@ -203,15 +206,13 @@ class CameraWarper:
         matrix = _TO_CELL @ self._matrix(pose_index, camera, offset) @ np.linalg.inv(_TO_CELL)
         return np.asarray(cv2.warpPerspective(difference.astype(np.float32), matrix, size), np.float32)
 
-    def footprint(self, pose_index: int, camera: str, offset: Offset, *, parallax_corrected: bool, edge: bool) -> U8:
-        """Which programme pixels lie inside the picture that `warped` or `parallax_corrected` makes.
+    def footprint(self, pose_index: int, camera: str, offset: Offset, laid: Laid) -> U8:
+        """Which programme pixels lie inside the picture that `warped` makes.
 
         Parameters
         ----------
-        pose_index, camera, offset, edge
-            As of `parallax_corrected`.
-        parallax_corrected : bool
-            Of its picture; else of `warped`'s.
+        pose_index, camera, offset, laid
+            As of `warped`.
 
         Returns
         -------
@@ -222,7 +223,7 @@ class CameraWarper:
         if not self.is_placed(pose_index, camera):
             return np.zeros((height // 2, width // 2), np.uint8)
         size = self.edl.camera(camera).size
-        warp_field = self._warp_field(pose_index, camera, edge) if parallax_corrected else None
+        warp_field = self._warp_field(pose_index, camera, laid)
         if warp_field is None:
             return footprint(size, self._matrix(pose_index, camera, offset), self.edl.size)
         matrix = self._placement(pose_index, camera)[0]
@@ -241,9 +242,15 @@ class CameraWarper:
 
         return self._medians.get((camera, median_of), make)
 
-    def _warp_field(self, pose_index: int, camera: str, edge: bool) -> WarpField | None:
-        if not edge:
+    def _warp_field(self, pose_index: int, camera: str, laid: Laid) -> WarpField | None:
+        """What is added to the camera's homography."""
+        if laid == "plane":
+            return None
+        if laid == "parallax":
             return self.parallax.of(pose_index, camera)
+        if laid == "surface":
+            pose = self.edl.poses[pose_index]
+            return self._surfaces.get((pose_index, camera), lambda: surface_of(self.edl, pose, camera))
 
         def make() -> WarpField | None:
             warp_field, matrix = self.parallax.of(pose_index, camera), self._placement(pose_index, camera)[0]
@@ -262,6 +269,10 @@ class CameraWarper:
         pose = self.edl.poses[pose_index]
         matrix = programme_matrix(self.edl, pose, camera)
         return matrix, placement_matrix(self.edl, pose, camera) is not None
+
+
+def _facts(relief: Relief | None) -> Hashable:
+    return relief and (tuple(sorted(relief.projections.items())), relief.gamma, relief.confidence)
 
 
 def _cell_means(planes: Planes) -> list[U8]:

@@ -1,7 +1,8 @@
 """Programme frames: one single resampling from camera pixel to programme pixel, colour, fill.
 
 Everything that makes programme pictures comes through here. Pictures are `Planes` (4:2:0, BT.709 limited). Matrices map
-camera pixel to programme pixel: translate(centering offset) @ anchor @ homography, composed in float64.
+camera pixel to programme pixel: translate(centering offset) @ anchor @ homography, composed in float64; a pose's relief
+adds to them what its cameras see from their own side.
 """
 
 from __future__ import annotations
@@ -140,7 +141,9 @@ class Compositor:
             return black(edl.size)
         offset = shift_at(edl, decision, frame)
         steady = all(shift_at(edl, decision, near) == offset for near in (frame - 1, frame + 1))
-        context = FrameContext(self._warper, frame, camera, pose_index, offset, decision.colour, steady, previous)
+        context = FrameContext(
+            self._warper, frame, camera, pose_index, offset, decision.colour, decision.surface, steady, previous
+        )
         if decision.fill and self._warper.is_placed(pose_index, camera):
             return self.filler.fill(context)
         return self.filler.unfilled(context) if isinstance(self.filler, ShowProvenance) else context.front

@@ -16,7 +16,7 @@ from mcsl_core.imaging.planes import U8, Planes, black, blurred
 from mcsl_core.imaging.rect import Rect
 from mcsl_core.timing import FrameRange
 
-from .camera_warper import CameraWarper, Offset
+from .camera_warper import CameraWarper, Laid, Offset
 
 _GRID = 4.0  # while the centering moves, footprints are worked out anew every so many pixels
 
@@ -39,6 +39,8 @@ class FrameContext:
         The centering's, in programme pixels.
     colour : bool
         Whether the cameras' colours are matched.
+    surface : bool
+        Whether they are laid by the pose's relief, where it has one.
     steady : bool
         Whether the centering stands still, so that the same warp will be asked for again.
     previous : Planes, optional
@@ -51,6 +53,7 @@ class FrameContext:
     pose_index: int
     offset: Offset
     colour: bool
+    surface: bool
     steady: bool
     previous: Planes | None = None
 
@@ -85,17 +88,15 @@ class FrameContext:
 
     @property
     def geometry(self) -> Hashable:
-        return self.warper.geometry, self.pose_index, self.camera, self.steady, *self._footprint_offset()
+        return self.warper.geometry, self.pose_index, self.camera, self.surface, self.steady, *self._footprint_offset()
 
     def change(self, camera: str, median_of: Sequence[int]) -> NDArray[np.float32]:
         return self.warper.change(self.pose_index, camera, self.offset, self.frame, tuple(median_of))
 
     def footprint(self, camera: str, frame: int | None = None, *, parallax_corrected: bool = False) -> U8:
         pose_index = self.pose_index if frame is None else self.warper.pose_at(frame)
-        edge = self._is_front(pose_index, camera)
-        mask = self.warper.footprint(
-            pose_index, camera, self._footprint_offset(), parallax_corrected=parallax_corrected, edge=edge
-        )
+        laid = self._laid(pose_index, camera, parallax_corrected)
+        mask = self.warper.footprint(pose_index, camera, self._footprint_offset(), laid)
         if not self.steady:  # shared by offsets up to half the grid away: inside for all of them
             mask = cv2.erode(mask, np.ones((3, 3), np.uint8), borderType=cv2.BORDER_REPLICATE)
         return mask  # pyright: ignore[reportReturnType]
@@ -120,7 +121,7 @@ class FrameContext:
 
         if not self.steady:
             return make()
-        key = camera, rect, tuple(median_of), blur_px, parallax_corrected, self.offset, self.colour
+        key = camera, rect, tuple(median_of), blur_px, parallax_corrected, self.offset, self.colour, self.surface
         return self.warper.patches.get(key, make)
 
     def _footprint_offset(self) -> Offset:
@@ -128,8 +129,13 @@ class FrameContext:
             return self.offset
         return round(self.offset[0] / _GRID) * _GRID, round(self.offset[1] / _GRID) * _GRID
 
-    def _is_front(self, pose_index: int, camera: str) -> bool:
-        return (pose_index, camera) == (self.pose_index, self.camera)
+    def _laid(self, pose_index: int, camera: str, parallax_corrected: bool) -> Laid:
+        """By the relief, which is the parallax; else the chosen camera's is taken out towards its edge alone."""
+        if self.surface and self.warper.has_relief(pose_index, camera):
+            return "surface"
+        if not parallax_corrected:
+            return "plane"
+        return "edge" if (pose_index, camera) == (self.pose_index, self.camera) else "parallax"
 
     def _warped(
         self,
@@ -144,15 +150,10 @@ class FrameContext:
         if planes is None:
             return None
         pose_index = self.warper.pose_at(frames[0])
-        edge = self._is_front(pose_index, camera)
         border = 2 * round(1.5 * blur_px)
         wide = rect.grown(border)
-        if parallax_corrected:
-            planes = self.warper.parallax_corrected(
-                planes, pose_index, camera, self.offset, wide, edge=edge, again=self.steady
-            )
-        else:
-            planes = self.warper.warped(planes, pose_index, camera, self.offset, wide)
+        laid = self._laid(pose_index, camera, parallax_corrected)
+        planes = self.warper.warped(planes, pose_index, camera, self.offset, wide, laid=laid, again=self.steady)
         match = colour_at(self.warper.edl.poses[pose_index], camera, frames) if self.colour else None
         planes = planes if match is None else apply_colour(planes, match)
         return Rect(border, border, rect.width, rect.height).of(blurred(planes, blur_px)) if blur_px else planes

@@ -8,8 +8,10 @@ import cv2
 import numpy as np
 
 from mcsl_core.edl import Edl, Pose
-from mcsl_core.edl.placement import fit_matrix, placement_matrix
+from mcsl_core.edl.placement import correction_of, fit_matrix, placement_matrix
 from mcsl_core.imaging.geometry import Homography, translation
+from mcsl_core.imaging.relief import ReliefMap, surface_field
+from mcsl_core.imaging.warp import WarpField
 
 
 def programme_matrix(edl: Edl, pose: Pose, camera: str, offset: tuple[float, float] = (0.0, 0.0)) -> Homography:
@@ -41,6 +43,25 @@ def programme_matrix(edl: Edl, pose: Pose, camera: str, offset: tuple[float, flo
         return np.array(fit_matrix(edl.camera(camera).size, edl.size))
     matrix = translation(*offset) @ np.array(known, np.float64)
     return matrix / matrix[2, 2]
+
+
+def has_relief(edl: Edl, pose: Pose, camera: str) -> bool:
+    """Whether the pose's relief says how the camera's picture lies, which is known at all."""
+    known = pose.relief is not None and camera in pose.relief.projections
+    return known and placement_matrix(edl, pose, camera) is not None
+
+
+def surface_of(edl: Edl, pose: Pose, camera: str) -> WarpField | None:
+    """What the pose's relief adds to where `programme_matrix` lays a camera's picture; None where it adds nothing."""
+    if pose.relief is None or not has_relief(edl, pose, camera):
+        return None
+    correction = correction_of(edl, pose, camera)
+    return surface_field(
+        ReliefMap.of(pose.relief, edl.size),
+        np.array(pose.relief.projections[camera], np.float64),
+        programme_matrix(edl, pose, camera),
+        None if correction is None else np.array(correction, np.float64),
+    )
 
 
 def fully_covered(edl: Edl, pose: Pose, offsets: Sequence[tuple[float, float]]) -> bool:

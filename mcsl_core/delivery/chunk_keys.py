@@ -35,6 +35,7 @@ from mcsl_core.edl.dependencies import (
     offset_bounds,
     offsets_over,
     poses_filled_from,
+    relief_of,
     views_of,
 )
 from mcsl_core.edl.placement import still_range
@@ -162,7 +163,7 @@ class _Facts:
             return fixed
         keyed = follows_centering(decision)
         offsets = self._bounds(pose_index) if keyed else (shift_at(self.edl, decision, part.start),)
-        return fixed + self._filled(pose_index, offsets)
+        return fixed + self._filled(pose_index, offsets, decision.surface)
 
     @kept
     def drift(self, decision: Decision, pose_index: int) -> tuple[int, tuple[str, ...]] | None:
@@ -181,6 +182,7 @@ class _Facts:
         views = views_of(self.edl, self.edl.poses[pose_index], decision)
         shift = decision.offset if decision.centering and decision.offset else decision.centering
         colours = {view.camera.name: view.colour for view in views if view.colour is not None}
+        relief = self._relief(pose_index, decision.surface)
         return _digest(
             {
                 "decision": [decision.camera, shift, decision.fill, decision.colour],
@@ -188,25 +190,36 @@ class _Facts:
                 "sources": [self._source(view) for view in views],
                 "placed": {view.camera.name: view.placement for view in views},
                 "colour": colours if decision.colour else None,
+                **({"relief": relief} if relief else {}),
             }
         )
 
     @kept
-    def _filled(self, pose_index: int, offsets: tuple[Offset, ...]) -> str:
+    def _filled(self, pose_index: int, offsets: tuple[Offset, ...], surface: bool) -> str:
         """Where the fill may look beside the frame itself; at other poses only where this one leaves something open."""
         pose = self.edl.poses[pose_index]
         still = still_range(self.edl, pose)
-        others = poses_filled_from(self.edl, pose_index, alone=fully_covered(self.edl, pose, offsets))
+        # what covers the programme by planes may leave some of it open by the relief
+        alone = self._relief(pose_index, surface) is None and fully_covered(self.edl, pose, offsets)
+        others = poses_filled_from(self.edl, pose_index, alone=alone)
         own = drifting(fill_views(self.edl, pose_index).views)  # it takes medians of any frames of the pose
-        return _digest([[still.start, still.stop], *([own] if own else []), *(self._beside(o) for o in others)])
+        beside = (self._beside(other, surface) for other in others)
+        return _digest([[still.start, still.stop], *([own] if own else []), *beside])
 
     @kept
-    def _beside(self, pose_index: int) -> list[Any]:
+    def _beside(self, pose_index: int, surface: bool) -> list[Any]:
         seen = fill_views(self.edl, pose_index)
         places = {view.camera.name: view.placement for view in seen.views}
         colours = {view.camera.name: view.colour for view in seen.views if view.colour is not None}
         sources, drift = [self._source(view) for view in seen.views], drifting(seen.views)
-        return [[seen.still.start, seen.still.stop], places, colours, sources, *([drift] if drift else [])]
+        more = [fact for fact in (drift, self._relief(pose_index, surface)) if fact]
+        return [[seen.still.start, seen.still.stop], places, colours, sources, *more]
+
+    @kept
+    def _relief(self, pose_index: int, surface: bool) -> str | None:
+        """None where pictures are laid by planes, as all were before there were reliefs: their chunks keep names."""
+        facts = relief_of(self.edl, self.edl.poses[pose_index], surface=surface)
+        return None if facts is None else _digest(facts)
 
     def _source(self, view: View) -> list[Any]:
         return [view.camera.name, self._files(view.camera.name), list(view.camera.size), view.clock, view.gaps]

@@ -9,13 +9,14 @@ side uses it too.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 from attrs import frozen
 
 from mcsl_core.timing import FrameRange
 
 from .colour import ColourKey, Matrix34, keys_over
-from .placement import first_of_perspective, other_poses, placement_matrix, still_range
+from .placement import correction_of, first_of_perspective, other_poses, placement_matrix, still_range
 from .resolve import Decision, offset_at
 from .schema import Camera, Edl, Matrix, Pose
 
@@ -72,6 +73,15 @@ def views_of(edl: Edl, pose: Pose, decision: Decision) -> tuple[View, ...]:
 def _view(pose: Pose, camera: Camera, placement: Matrix | None, *, coloured: bool) -> View:
     colour = pose.colour[camera.name].matrix if coloured and camera.name in pose.colour else None
     return View(camera, placement, colour, pose.colour_keys.get(camera.name, ()) if coloured else ())
+
+
+def relief_of(edl: Edl, pose: Pose, *, surface: bool) -> list[Any] | None:
+    """What the pictures of a pose depend on where they are laid by its relief; None where they are not."""
+    if not surface or pose.relief is None:
+        return None
+    corrections = {camera.name: correction_of(edl, pose, camera.name) for camera in edl.cameras}
+    by_hand = {name: matrix for name, matrix in corrections.items() if matrix is not None}
+    return [pose.relief.projections, pose.relief.gamma, pose.relief.confidence, by_hand]
 
 
 def _may_lack_pictures(edl: Edl, name: str) -> bool:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from mcsl_core.edl import Relief
 
-from .geometry import Array, Homography, transform_points
+from .geometry import Array, Homography, inverse, transform_points
 from .warp import WarpField
 
 STEEPEST = 1 / 3
@@ -53,7 +53,8 @@ class ReliefMap:
     @classmethod
     def of(cls, relief: Relief, size: tuple[int, int]) -> ReliefMap:
         """The EDL's relief in a programme of ``size``."""
-        return cls(np.array(relief.gamma, np.float32), np.array(relief.confidence, np.float32) / 100, size)
+        confidence = np.array(relief.confidence, np.float32) / np.float32(100)
+        return cls(np.array(relief.gamma, np.float32), np.asarray(confidence, np.float32), size)
 
     def at(self, points: Array) -> tuple[Array, Array]:
         """Gamma and confidence at (N, 2) programme pixels, linear between nodes; outside as at the picture's edge."""
@@ -104,9 +105,9 @@ def surface_field(
     step, margin = _STEP * width, _BEYOND * width
     columns, rows = (int(np.ceil((n + 2 * margin) / step)) + 1 for n in (width, height))
     x, y = np.meshgrid(np.arange(columns) * step - margin, np.arange(rows) * step - margin)
-    nodes = np.stack([x, y], axis=-1).reshape(-1, 2)
+    nodes = np.asarray(np.stack([x, y], axis=-1).reshape(-1, 2), np.float64)
     correct = np.eye(3) if correction is None else correction
-    before = transform_points(_inverse(correct), nodes)
+    before = transform_points(inverse(correct), nodes)
     gamma, confidence = relief.at(before)
     there = transform_points(matrix, project(projection, before, gamma))
     known = np.isfinite(there).all(axis=1) & (np.linalg.norm(there - nodes, axis=1) < _FAR * width)
@@ -143,28 +144,40 @@ def _steepness(shift: NDArray[np.float32], step: float) -> NDArray[np.float32]:
 # ------------------------------------------------------------------------------------------------------------ points
 
 
-def to_camera(points: Array, matrix: Homography, field: WarpField | None, offset: tuple[float, float]) -> Array:
-    """(N, 2) camera pixels that the programme shows at (N, 2) pixels; ``offset``: the centering's."""
-    points = points - np.array(offset)
-    return transform_points(_inverse(matrix), points if field is None else points + _shift_at(field, points))
+@frozen(eq=False)
+class Placement:
+    """Where a camera's picture lies in the programme, point by point.
 
+    Attributes
+    ----------
+    matrix : (3, 3) float64
+        Camera pixel -> programme pixel before centering.
+    field : WarpField, optional
+        What the relief adds.
+    offset : (float, float)
+        The centering's, in programme pixels.
+    """
 
-def to_programme(points: Array, matrix: Homography, field: WarpField | None, offset: tuple[float, float]) -> Array:
-    """(N, 2) programme pixels at which (N, 2) camera pixels are shown: the inverse of `to_camera`."""
-    laid = transform_points(matrix, points)
-    found = laid
-    if field is not None:
-        for _ in range(_ROUNDS):  # each is nearer by STEEPEST at least
-            found = laid - _shift_at(field, found)
-    return found + np.array(offset)
+    matrix: Homography
+    field: WarpField | None = None
+    offset: tuple[float, float] = (0.0, 0.0)
 
+    def to_camera(self, points: Array) -> Array:
+        """(N, 2) camera pixels that the programme shows at (N, 2) pixels."""
+        points = points - np.array(self.offset)
+        return transform_points(inverse(self.matrix), points + self._shift_at(points))
 
-def _inverse(matrix: Homography) -> Homography:
-    return np.asarray(np.linalg.inv(matrix), np.float64)
+    def to_programme(self, points: Array) -> Array:
+        """(N, 2) programme pixels at which (N, 2) camera pixels are shown: the inverse of `to_camera`."""
+        laid = found = transform_points(self.matrix, points)
+        for _ in range(_ROUNDS if self.field is not None else 0):  # each is three times as near: STEEPEST
+            found = laid - self._shift_at(found)
+        return found + np.array(self.offset)
 
-
-def _shift_at(field: WarpField, points: Array) -> Array:
-    return _sampled(field.shift, (points - np.array(field.corner)) / field.step)
+    def _shift_at(self, points: Array) -> Array:
+        if self.field is None:
+            return np.zeros_like(points)
+        return _sampled(self.field.shift, (points - np.array(self.field.corner)) / self.field.step)
 
 
 def _sampled(values: NDArray[np.float32], at: Array) -> Array:
@@ -173,7 +186,7 @@ def _sampled(values: NDArray[np.float32], at: Array) -> Array:
     Exactly: `cv2.remap` knows places to a 32nd of a node, which is a tenth of a pixel where the relief is steep.
     """
     rows, columns, _ = values.shape
-    at = np.clip(at, 0, [columns - 1, rows - 1])
+    at = np.clip(np.nan_to_num(at), 0, [columns - 1, rows - 1])
     first = np.minimum(at.astype(int), [max(columns - 2, 0), max(rows - 2, 0)])
     (x, y), (u, v) = first.T, (at - first).T[..., None]
     x1, y1 = np.minimum(x + 1, columns - 1), np.minimum(y + 1, rows - 1)

@@ -1,0 +1,51 @@
+"""A conformed chunk depends on a relief where it is laid by it, and nowhere else."""
+
+from __future__ import annotations
+
+import attrs
+import pytest
+import relief_scene as scene
+from two_cameras import FRAMES, SIZE, make, write_sources
+
+from mcsl_core.delivery.chunk_keys import plan_chunks
+from mcsl_core.edl import Override, from_json, to_json
+from mcsl_core.timing import FrameRange
+
+
+@pytest.fixture(scope="module")
+def base(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("sources")
+    write_sources(folder)
+    return folder
+
+
+def keys(edl, base):
+    return [chunk.key for chunk in plan_chunks(edl, base)]
+
+
+def with_relief(edl, height=6.0):
+    relief = scene.pose_of(FRAMES, SIZE, height=height).relief
+    return attrs.evolve(edl, poses=(attrs.evolve(edl.poses[0], relief=relief),))
+
+
+@pytest.mark.parametrize("fill", [False, True])
+def test_a_relief_changes_what_is_laid_by_it(base, fill):
+    look = attrs.evolve(make().look, fill=fill)
+    plain = make(look=look)
+    made = with_relief(plain)
+    assert keys(made, base) != keys(plain, base)
+    assert keys(with_relief(plain, 5.0), base) != keys(made, base)
+    assert keys(from_json(to_json(made)), base) == keys(made, base), "it is what the document keeps"
+
+
+@pytest.mark.parametrize("fill", [False, True])
+def test_where_surface_is_off_or_there_is_no_relief_nothing_changes(base, fill):
+    on = attrs.evolve(make().look, fill=fill)
+    off = attrs.evolve(on, surface=False)
+    expected = keys(make(look=on), base)
+    assert keys(make(look=off), base) == expected
+    assert keys(with_relief(make(look=off)), base) == expected
+    switched = attrs.evolve(with_relief(make(look=on)), overrides=(Override(FrameRange(0, FRAMES), surface=False),))
+    assert keys(switched, base) == expected
+    one_stretch = make(look=on, overrides=(Override(FrameRange(3, 9), surface=False),))
+    assert keys(one_stretch, base) == expected
