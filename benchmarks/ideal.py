@@ -113,7 +113,7 @@ def variants(made: edl.Edl, truth: Truth) -> list[Variant]:
         Variant("best plane", aligned_by_hand(made, by_truth(made, truth)), plane),
         Variant("plane", made, plane),
     ]
-    if any(getattr(pose, "relief", None) for pose in made.poses):
+    if any(pose.relief for pose in made.poses):
         for n, name in enumerate(here):
             found.append(Variant(name, made, attrs.evolve(plane, **dict.fromkeys(here[: n + 1], True)), surface=True))
     return found

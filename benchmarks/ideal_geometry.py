@@ -18,10 +18,11 @@ from numpy.typing import NDArray
 
 from mcsl_core import edl
 from mcsl_core.alignment.colour_match import apply_colour
-from mcsl_core.compositing.placement import programme_matrix
+from mcsl_core.compositing.placement import has_relief, programme_matrix, surface_of
 from mcsl_core.edl.placement import first_of_perspective, placement_matrix
 from mcsl_core.edl.resolve import Decision, resolve
 from mcsl_core.imaging.planes import Planes
+from mcsl_core.imaging.relief import Placement
 from mcsl_core.imaging.warp import RemapTables, remap_planes
 from mcsl_core.simulation import PoseTruth, Scenario, Truth
 from mcsl_core.simulation.rig import PinholeCamera, Rig
@@ -61,8 +62,10 @@ def to_programme(programme: edl.Edl, pose_index: int, camera: str, *, surface: b
 
 def surface_map(programme: edl.Edl, pose_index: int, camera: str) -> Map | None:
     """From programme pixels before centering to the camera's pixels by the relief; None where there is none."""
-    del programme, pose_index, camera
-    return None
+    pose = programme.poses[pose_index]
+    if not has_relief(programme, pose, camera):
+        return None
+    return Placement(programme_matrix(programme, pose, camera), surface_of(programme, pose, camera)).to_camera
 
 
 def inverse(there: Map, px: Points, start: Points) -> Points:

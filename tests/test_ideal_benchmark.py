@@ -136,6 +136,31 @@ def test_a_plane_that_is_right_displaces_nothing_and_one_that_is_off_by_so_much(
         assert max(values.max() for values in best_planes(made, truth).values()) < 0.05
 
 
+def with_relief(made: Edl, truth: Truth) -> Edl:
+    """``made`` with a relief that lays cam2 where it belongs, whatever the planes say."""
+    right, poses = programme(truth), []
+    for there, pose in zip(right.poses, made.poses, strict=True):
+        seen = {}
+        for camera, homography in there.homographies.items():
+            P = np.column_stack([np.linalg.inv(np.array(there.anchor) @ np.array(homography)), np.zeros(3)])
+            seen[camera] = tuple(tuple(float(v) for v in row) for row in P / P[2, 2])
+        relief = edl.Relief(seen, gamma=((0.0,) * 9,) * 6, confidence=((100,) * 9,) * 6)
+        poses.append(attrs.evolve(pose, relief=relief))
+    return attrs.evolve(made, poses=tuple(poses))
+
+
+def test_a_relief_that_is_right_where_planes_are_off(flat) -> None:
+    _, truth = flat
+    made = with_relief(programme(truth, cam2_off=(6.0, 0.0)), truth)
+    assert [v.name for v in variants(made, truth)][4:5] == ["surface"]
+    plane, surface = (displacements(made, truth, surface=by) for by in (False, True))
+    assert np.median(plane[0, "cam2"]) == pytest.approx(18, abs=0.1)
+    assert max(np.median(values) for values in surface.values()) < 0.2
+    cut = Cut(4, "cam1", "cam2")
+    assert (jumps(made, truth, cut, surface=True) or (9,))[0] < 0.15
+    assert (jumps(made, truth, cut, surface=False) or (9,))[0] == pytest.approx(12, abs=0.1)
+
+
 def test_what_a_movement_displaces(flat) -> None:
     """The programme holds its picture to the middle of a movement: near its ends little is displaced."""
     _, truth = flat

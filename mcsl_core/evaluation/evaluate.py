@@ -39,7 +39,7 @@ def without_alignment(edl: Edl) -> Edl:
         attrs.evolve(p, homographies=dict.fromkeys(names, IDENTITY), anchor=IDENTITY, relief=None, weak=())
         for p in edl.poses
     )
-    return attrs.evolve(edl, poses=poses, corrections=(), look=Look(centering=False, fill=False, colour=False))
+    return attrs.evolve(edl, poses=poses, corrections=(), look=Look(False, False, False, False))
 
 
 # -------------------------------------------------------------------------------------------------------- variants
@@ -90,15 +90,20 @@ def standard_variants(edl: Edl, *, manual: ByHand | None = None, colour: bool = 
     ----------
     The paper's section on evaluation metrics.
     """
-    plain = Look(centering=False, fill=False, colour=colour)
+    plain = Look(centering=False, fill=False, colour=colour, surface=False)
     found = [Variant("no", "No-alignment", without_alignment(edl), plain)]
     if manual is not None:
         found.append(Variant("manual", "Manual-alignment", aligned_by_hand(edl, manual), plain))
     found.append(Variant("plane", "Auto, by planes", edl, plain))
+    own = plain
+    if any(pose.relief for pose in edl.poses):
+        by_relief = attrs.evolve(plain, surface=True)
+        found.append(Variant("surface", "Auto, by the relief", edl, by_relief))
+        own = by_relief if edl.look.surface else plain
     found += [
-        Variant("auto", "Auto", edl, plain),
-        Variant("centered", "Auto + centered", edl, attrs.evolve(plain, centering=True)),
-        Variant("filled", "Auto + centered + filled", edl, attrs.evolve(plain, centering=True, fill=True)),
+        Variant("auto", "Auto", edl, own),
+        Variant("centered", "Auto + centered", edl, attrs.evolve(own, centering=True)),
+        Variant("filled", "Auto + centered + filled", edl, attrs.evolve(own, centering=True, fill=True)),
         Variant("delivered", "As delivered", edl),
     ]
     return tuple(found)

@@ -7,6 +7,7 @@ centres at integers.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import cv2
 import numpy as np
@@ -17,6 +18,7 @@ from mcsl_core.alignment.features import RootSift
 from mcsl_core.imaging.planes import U8, Planes
 
 Points = NDArray[np.float64]
+Lay = Callable[[Points], Points]
 
 CEILING_DB = 60.0  # equal pictures: their PSNR is infinite, and one still pair must not decide a mean
 
@@ -186,15 +188,15 @@ def carried(matrix: NDArray, points: Points) -> Points:
     return np.column_stack([x / w, y / w])
 
 
-def speed_px(tracks: Tracks, before: NDArray, after: NDArray, size: tuple[int, int]) -> float:
+def speed_px(tracks: Tracks, before: NDArray | Lay, after: NDArray | Lay, size: tuple[int, int]) -> float:
     """Mean distance that tracks move in the programme; its mean over all pairs is the paper's AvSpeed.
 
     Parameters
     ----------
     tracks : Tracks
         In the two cameras' own pictures.
-    before, after : (3, 3) float64
-        Pixel of either picture -> programme pixel.
+    before, after : (3, 3) float64, or callable
+        Pixel of either picture -> programme pixel; a function for (N, 2) points, with NaN for what has no place.
     size : (int, int)
         Width and height of the programme. Points that lie outside it in either frame do not count.
 
@@ -203,7 +205,10 @@ def speed_px(tracks: Tracks, before: NDArray, after: NDArray, size: tuple[int, i
     float
         Programme pixels a frame; NaN with fewer than eight points.
     """
-    start, end = carried(before, tracks.before), carried(after, tracks.after)
+    start, end = (
+        lay(points) if callable(lay) else carried(lay, points)
+        for lay, points in ((before, tracks.before), (after, tracks.after))
+    )
     edge = np.array(size) - 0.5
     with np.errstate(invalid="ignore"):
         inside = ((start >= -0.5) & (start <= edge) & (end >= -0.5) & (end <= edge)).all(axis=1)

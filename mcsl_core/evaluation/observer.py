@@ -12,16 +12,17 @@ from attrs import frozen
 
 from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.compositing.coverage import Coverage, has_picture
-from mcsl_core.compositing.placement import programme_matrix
+from mcsl_core.compositing.placement import programme_matrix, surface_of
 from mcsl_core.compositing.proxy import ProxyFootage, proxy_edl, proxy_filler
-from mcsl_core.edl import Edl, Look
+from mcsl_core.edl import Edl, Look, Pose
 from mcsl_core.edl.placement import placement_matrix
 from mcsl_core.edl.resolve import Decision, offset_at, resolve, shift_at
-from mcsl_core.imaging.geometry import Homography
 from mcsl_core.imaging.planes import U8, Planes
+from mcsl_core.imaging.relief import Placement
+from mcsl_core.imaging.warp import WarpField
 from mcsl_core.timing import FrameRange
 
-from .metrics import NO_TRACKS, Tracker, Tracks, carried, fidelity_db, grey, speed_px
+from .metrics import NO_TRACKS, Lay, Points, Tracker, Tracks, carried, fidelity_db, grey, speed_px
 from .results import FIELD, Pair
 
 
@@ -111,7 +112,7 @@ class _Observed:
 
     picture: U8
     covered: U8
-    matrix: Homography
+    lay: Lay
 
 
 class VariantObserver:
@@ -137,6 +138,7 @@ class VariantObserver:
         self._kept_coverage: tuple[Hashable, U8] | None = None
         self._frames: Iterator[Planes] = iter(())
         self._before: _Observed | None = None
+        self._surfaces: dict[tuple[FrameRange, str], WarpField | None] = {}
 
     def begin(self, run: FrameRange) -> None:
         """The next frames asked for are those of ``run``, in order."""
@@ -165,7 +167,7 @@ class VariantObserver:
         now = _Observed(
             grey(next(self._frames)),
             self._covered(frame, (pose.range, camera, offset, decision.fill)),
-            programme_matrix(self._edl, pose, camera, offset),
+            self._lay(pose, camera, offset, decision.surface),
         )
         before, self._before = self._before, now
         if before is None:
@@ -176,9 +178,26 @@ class VariantObserver:
             fidelity_db(before.picture, now.picture),
             _known(fidelity_db(before.picture, now.picture, both)),
             _known(fidelity_db(before.picture, now.picture, in_field)),
-            _known(speed_px(follower.tracks, before.matrix, now.matrix, self._edl.size)),
-            _known(speed_px(follower.in_field, before.matrix, now.matrix, self._edl.size)),
+            _known(speed_px(follower.tracks, before.lay, now.lay, self._edl.size)),
+            _known(speed_px(follower.in_field, before.lay, now.lay, self._edl.size)),
         )
+
+    def _lay(self, pose: Pose, camera: str, offset: tuple[float, float], surface: bool) -> Lay:
+        """Camera pixels to programme pixels, by the very map that carries the picture."""
+        placement = Placement(programme_matrix(self._edl, pose, camera), offset=offset)
+        if surface and pose.relief is not None:
+            key = pose.range, camera
+            if key not in self._surfaces:
+                self._surfaces[key] = surface_of(self._edl, pose, camera)
+            placement = attrs.evolve(placement, field=self._surfaces[key])
+
+        def lay(points: Points) -> Points:
+            found = carried(placement.matrix, points)  # knows what has no place
+            known = np.isfinite(found).all(axis=1)
+            found[known] = placement.to_programme(points[known])
+            return found
+
+        return lay
 
     def _covered(self, frame: int, geometry: tuple[Hashable, ...]) -> U8:
         """The covered pixels, worked out again only where they may have changed."""
