@@ -201,12 +201,16 @@ def drift_keys(
     if usual is None:
         return ()
     track = gain_track(usual, _of_samples(samples, camera, own, ()), settings.share)
+    if not len(track.frames):
+        return ()
+    middle = np.median(track.gains, axis=0)  # of what is evenly spread over time; the usual picture is a little off it
     step = max(1, round(settings.step_s * float(footage.rate)))
     stretches = _to_the_ends(track.fast(settings.fast, step), track, still)
     if stretches:
         closer = _between(footage, camera, [n for s in stretches for n in range(s.start, s.stop, step)])
         shown = merge(_of_samples(samples, camera, own, stretches), closer, key=lambda one: one[0])
         track = gain_track(usual, shown, settings.share)
+    track = GainTrack(track.frames, track.gains / middle)
     return track.keys(settings.exact) if track.drifts(settings.least) else ()
 
 
