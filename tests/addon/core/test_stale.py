@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import attrs
 import pytest
+import relief_scene as scene
 from builders import R, small_edl
 from hypothesis import given
 from hypothesis import strategies as st
@@ -58,6 +59,16 @@ def test_a_drift_of_colours_touches_the_shots_that_it_is_seen_in():
     pose = attrs.evolve(EDL.poses[0], colour_keys={"cam3": ((0, 1.0, 1.0, 1.0), (250, 1.1, 1.0, 0.9))})
     drifting = attrs.evolve(plain, poses=(pose,))
     assert o.changed(o.basis_of(drifting), o.basis_of(plain)) == (R(200, 300),)
+
+
+def test_a_relief_counts_where_pictures_are_laid_by_it_alone():
+    relief = scene.pose_of(10, EDL.size).relief
+    own = {EDL.cameras[1].name: relief.projections["b"]}
+    made = attrs.evolve(EDL.poses[0], relief=attrs.evolve(relief, projections=own))
+    with_it = attrs.evolve(EDL, poses=(made, *EDL.poses[1:]))
+    assert o.changed(o.basis_of(with_it), o.basis_of(EDL)) == (made.range,)
+    off = attrs.evolve(with_it, look=attrs.evolve(EDL.look, surface=False))
+    assert o.changed(o.basis_of(off), o.basis_of(EDL)) == ()
 
 
 def test_a_text_that_is_not_ours_holds_nothing():

@@ -216,7 +216,7 @@ def test_a_preset_of_ones_own_is_never_written_over(programme, tmp_path: Path) -
 
 def test_evaluate_measures_the_programme_as_it_is_now(programme) -> None:
     found = mcsl.evaluate(programme, width=160)
-    assert [row.name for row in found.measured] == ["no", "auto", "centered", "filled", "delivered"]
+    assert [row.name for row in found.measured] == ["no", "plane", "auto", "centered", "filled", "delivered"]
     assert [s.frame for s in found.switches] == [10]
     programme.override((0, 20), camera="cam2")
     assert mcsl.evaluate(programme, width=160).switches == ()
