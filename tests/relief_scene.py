@@ -28,7 +28,7 @@ def grid(size: tuple[int, int], *, height: float = 6.0, nodes: tuple[int, int] =
 
 def seen(points: NDArray, size: tuple[int, int], height: float = 6.0) -> NDArray:
     """(N, 2): where the tilted camera sees (N, 2) programme pixels."""
-    gamma = gamma_at(*points.T, size, height)
+    gamma = gamma_at(points[:, 0], points[:, 1], size, height)
     there = np.column_stack([points, np.ones(len(points)), gamma]) @ PROJECTION.T
     return there[:, :2] / there[:, 2:]
 
@@ -42,7 +42,7 @@ def picture_of(texture: NDArray, height: float = 6.0) -> NDArray:
     for _ in range(60):
         found += 0.7 * (pixels - seen(found, size, height))
     where = found.reshape(size[1], size[0], 2).astype(np.float32)
-    return cv2.remap(texture, where, None, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT)
+    return cv2.remap(texture, where, None, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT)  # pyright: ignore
 
 
 def pose_of(frames: int, size: tuple[int, int], *, height: float = 6.0, confidence: int = 100, **changes) -> Pose:
