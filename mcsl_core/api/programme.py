@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import attrs
 import numpy as np
@@ -35,7 +35,7 @@ from mcsl_core.timing import FrameRange, format_time
 
 from .fields import Fields
 from .saving import write_edl
-from .views import Views, moved
+from .views import Aids, Views, moved
 
 
 class Programme(Fields):
@@ -132,12 +132,9 @@ class Programme(Fields):
         frames: FrameRange | tuple[int, int],
         *,
         camera: str | None = None,
-        centering: bool | None = None,
-        fill: bool | None = None,
-        colour: bool | None = None,
-        surface: bool | None = None,
         offset: tuple[float, float] | None = None,
         note: str = "",
+        **look: Unpack[Aids],
     ) -> None:
         """Decides over a range of frames, above the analysis and above earlier overrides. `save` writes it.
 
@@ -164,14 +161,11 @@ class Programme(Fields):
         >>> p.override((900, 1100), camera="cam2")
         >>> p.save()
         """
-        decided: dict[str, Any] = {
-            "camera": camera,
-            "centering": centering,
-            "fill": fill,
-            "colour": colour,
-            "surface": surface,
-            "offset": offset,
-        }
+        unknown = sorted(look.keys() - Aids.__annotations__.keys())
+        if unknown:
+            raise TypeError(f"override() got an unexpected keyword argument {unknown[0]!r}")
+        decided: dict[str, Any] = {"camera": camera, **{name: look.get(name) for name in Aids.__annotations__}}
+        decided["offset"] = offset
         if all(value is None for value in decided.values()):
             remedy = f"Give one of {', '.join(decided)}"
             raise UsageError("the override decides nothing", where=str(self.path), remedy=remedy)

@@ -9,6 +9,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Iterator
 from functools import cached_property
 from operator import index
+from typing import TypedDict
 
 import cv2
 import numpy as np
@@ -30,6 +31,15 @@ from mcsl_core.imaging.warp import WarpField, remap_planes, warp_field_maps, war
 from mcsl_core.lru_cache import kept
 from mcsl_core.recording.footage import Footage
 from mcsl_core.timing import FrameRange
+
+
+class Aids(TypedDict, total=False):
+    """The visual aids, each on or off; None decides nothing."""
+
+    centering: bool | None
+    fill: bool | None
+    colour: bool | None
+    surface: bool | None
 
 
 class Views:
