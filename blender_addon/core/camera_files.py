@@ -15,6 +15,7 @@ STAGES = {
     "movement": "Movement",
     "matcher": "Matching",
     "aligner": "Alignment",
+    "relief": "Relief",
     "occlusion": "Occlusion",
     "selector": "Selection",
     "centerer": "Centering",

@@ -34,6 +34,7 @@ EXAMPLES: Mapping[str, _Example] = {
     "movement": _Example("the lamp moves when most of the picture changes at once", _WITH_CV2),
     "matcher": _Example("ORB's points, matched where each is the other's best", _WITH_CV2),
     "aligner": _Example("each camera tied to the reference camera by itself", _WITH_CV2),
+    "relief": _Example("what the matches say of the relief, spread smoothly between them"),
     "occlusion": _Example("what does not look as it usually does is in the way"),
     "selector": _Example("whoever sees most over the next seconds is shown for as long"),
     "centerer": _Example("the field in the middle while the lamp stands still", ()),

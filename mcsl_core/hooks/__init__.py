@@ -12,6 +12,13 @@ if TYPE_CHECKING:
     from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView
     from mcsl_core.alignment.correspondences import Correspondences
     from mcsl_core.alignment.protocol import Aligner, Alignment, Features, Matcher
+    from mcsl_core.alignment.relief.protocol import (
+        ReliefCamera,
+        ReliefEstimator,
+        ReliefScene,
+        ReliefSurface,
+        ReliefView,
+    )
     from mcsl_core.arrays import read_arrays
     from mcsl_core.centering.protocol import Centerer, FieldPosition
     from mcsl_core.documents import make_converter, read_toml, structure_document, write_atomic
@@ -72,6 +79,11 @@ __all__ = [
     "PluginError",
     "Progress",
     "Rect",
+    "ReliefCamera",
+    "ReliefEstimator",
+    "ReliefScene",
+    "ReliefSurface",
+    "ReliefView",
     "Sample",
     "SampleStore",
     "ScoreTable",
@@ -103,6 +115,13 @@ __getattr__, __dir__ = lazy_names(
         "mcsl_core.alignment.aligned_views": ("AlignedPose", "AlignedView"),
         "mcsl_core.alignment.correspondences": ("Correspondences",),
         "mcsl_core.alignment.protocol": ("Aligner", "Alignment", "Features", "Matcher"),
+        "mcsl_core.alignment.relief.protocol": (
+            "ReliefCamera",
+            "ReliefEstimator",
+            "ReliefScene",
+            "ReliefSurface",
+            "ReliefView",
+        ),
         "mcsl_core.arrays": ("read_arrays",),
         "mcsl_core.centering.protocol": ("Centerer", "FieldPosition"),
         "mcsl_core.documents": ("make_converter", "read_toml", "structure_document", "write_atomic"),

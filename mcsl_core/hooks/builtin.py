@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from mcsl_core.alignment.features import RootSift
 from mcsl_core.alignment.joint import JointPlane
+from mcsl_core.alignment.relief.protocol import PlaneRelief
+from mcsl_core.alignment.relief.sweep import PlaneSweep
 from mcsl_core.centering.field import FieldCenterer
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.paper import PaperFiller
@@ -29,6 +31,11 @@ def register_matchers():
 @hookimpl
 def register_aligners():
     return [JointPlane()]
+
+
+@hookimpl
+def register_reliefs():
+    return [PlaneSweep(), PlaneRelief()]
 
 
 @hookimpl

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView
 from mcsl_core.alignment.correspondences import Correspondences
 from mcsl_core.alignment.protocol import Alignment, Features
+from mcsl_core.alignment.relief.protocol import ReliefScene, ReliefSurface
 from mcsl_core.centering.protocol import FieldPosition
 from mcsl_core.edl import CenteringKey, Movement, Shot, Weak
 from mcsl_core.errors import Cancelled, McslError, PluginError
@@ -228,6 +229,24 @@ class AlignerGuard(Guard):
         return attrs.evolve(found, weak=tuple(found.weak))
 
 
+class ReliefGuard(Guard):
+    """Of a `ReliefEstimator`: nothing, or finite nodes with their confidence, and cameras that there are."""
+
+    def estimate(self, scene: ReliefScene) -> ReliefSurface | None:
+        if (found := self.call("estimate", read_only(scene))) is None:
+            return None
+        self.need_kind("estimate", found, ReliefSurface)
+        gamma, confidence = np.asarray(found.gamma), np.asarray(found.confidence)
+        for what, nodes in (("gamma", gamma), ("confidence", confidence)):
+            good = nodes.ndim == 2 and min(nodes.shape) > 1 and nodes.dtype.kind == "f" and np.isfinite(nodes).all()
+            self.need(bool(good), f"estimate gave {_described(nodes)} as {what}, expected finite nodes")
+        self.need(gamma.shape == confidence.shape, f"estimate gave gamma {gamma.shape}, confidence {confidence.shape}")
+        self.need(bool((np.abs(confidence - 0.5) <= 0.5).all()), "estimate gave a confidence outside of 0..1")
+        unknown = ", ".join(sorted(set(found.cameras) - set(scene.cameras)))
+        self.need(not unknown, f"estimate gave {unknown}, which no camera is named")
+        return ReliefSurface(gamma, confidence, frozenset(found.cameras))
+
+
 @frozen(eq=False)
 class _Samples(Sequence[Sequence[AlignedView]]):
     """Samples whose views cannot be written to; each is read only when it is asked for, as a slice's are."""
@@ -373,6 +392,7 @@ GUARDS: Mapping[str, type[Guard]] = {
     "movement": MovementGuard,
     "matcher": MatcherGuard,
     "aligner": AlignerGuard,
+    "relief": ReliefGuard,
     "occlusion": OcclusionGuard,
     "selector": SelectorGuard,
     "centerer": CentererGuard,

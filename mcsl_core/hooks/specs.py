@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import pluggy
 
 from mcsl_core.alignment.protocol import Aligner, Matcher
+from mcsl_core.alignment.relief.protocol import ReliefEstimator
 from mcsl_core.centering.protocol import Centerer
 from mcsl_core.filling.protocol import Filler
 from mcsl_core.movement.protocol import MovementDetector
@@ -32,6 +33,10 @@ class Hooks:
     @hookspec
     def register_aligners(self) -> Sequence[Aligner]:  # pyright: ignore[reportReturnType]
         """Aligners, chosen by ``--aligner NAME``."""
+
+    @hookspec
+    def register_reliefs(self) -> Sequence[ReliefEstimator]:  # pyright: ignore[reportReturnType]
+        """Relief estimators, chosen by ``--relief NAME``."""
 
     @hookspec
     def register_occlusion_detectors(self) -> Sequence[OcclusionDetector]:  # pyright: ignore[reportReturnType]

@@ -30,6 +30,9 @@ STAGES: Mapping[str, Stage] = {
         "register_matchers", ("features", "match"), "rootsift", "finds the same places in two views", "matcher"
     ),
     "aligner": Stage("register_aligners", ("align",), "joint-plane", "ties the views of a pose together", "aligner"),
+    "relief": Stage(
+        "register_reliefs", ("estimate",), "plane-sweep", "finds the relief that the views share", "relief estimator"
+    ),
     "occlusion": Stage(
         "register_occlusion_detectors",
         ("scorer",),

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from lamp_video import write_lamp
 from stage_offers import offers
+from swept_scene import SIZE, Relief, at_pixels, hill
 
 from mcsl_core.alignment.aligned_views import AlignedPose
 from mcsl_core.alignment.correspondences import Correspondences
@@ -313,6 +314,24 @@ def test_centerers_give_few_rising_keys_that_move_towards_the_middle(offer: Offe
 @offers("centerer")
 def test_centerers_leave_a_recording_without_a_field_alone(offer: Offer) -> None:
     assert not offer.checked.centre([FieldPosition(FrameRange(0, 50), None)], size=(960, 540), rate=30.0)
+
+
+@offers("relief")
+def test_reliefs_are_nearer_than_the_plane_or_leave_it(offer: Offer) -> None:
+    scene = Relief(hill(), cloth(21, SIZE)).scene(points=300)
+    found = offer.checked.estimate(scene)
+    if found is not None:
+        middle = (slice(60, -60), slice(110, -110))
+        left = np.abs(at_pixels(found.gamma) - hill())[middle]
+        assert np.sqrt((left**2).mean()) < 0.5 * np.sqrt((hill()[middle] ** 2).mean())
+
+
+@offers("relief")
+def test_reliefs_of_what_shows_nothing_are_planes(offer: Offer) -> None:
+    found = offer.checked.estimate(Relief(np.zeros(SIZE[::-1]), np.full((*SIZE[::-1], 3), 90, np.uint8)).scene())
+    if found is not None:
+        assert found.confidence.max() < 0.2
+        assert np.abs(found.gamma * found.confidence).max() < 1
 
 
 def test_every_stage_has_its_default() -> None:

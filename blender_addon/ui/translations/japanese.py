@@ -13,6 +13,7 @@ JAPANESE: dict[str, str] = {
     "Movement": "動きの検出",
     "Matching": "特徴点の対応",
     "Alignment": "位置合わせ",
+    "Relief": "起伏",
     "Occlusion": "遮蔽の判定",
     "Selection": "カメラの選択",
     "Centering": "センタリング",

@@ -16,6 +16,7 @@ import pytest
 from mcsl_core.alignment.aligned_views import AlignedPose
 from mcsl_core.alignment.correspondences import Correspondences
 from mcsl_core.alignment.protocol import Alignment, Features
+from mcsl_core.alignment.relief.protocol import ReliefCamera, ReliefScene, ReliefSurface, ReliefView
 from mcsl_core.centering.protocol import FieldPosition
 from mcsl_core.edl import Movement, Shot, Weak
 from mcsl_core.errors import Cancelled, InputError, McslError, PluginError
@@ -38,6 +39,9 @@ POSE = AlignedPose(
 PICTURE = np.full((18, 32, 3), 90, np.uint8)
 POINTS = Features(np.full((3, 2), 5, np.float32), np.eye(3, 8, dtype=np.float32), SIZE)
 GOOD_ALIGNMENT = Alignment(dict.fromkeys(CAMERAS, np.eye(3)), {"cam2": 1.0}, {"cam2": 20}, ())
+SEEN = ReliefCamera(SIZE, np.eye(3, 4), np.eye(3), (ReliefView(PICTURE, np.ones((18, 32), bool)),))
+SCENE = ReliefScene(SIZE, dict.fromkeys(CAMERAS, SEEN), np.ones((4, 3)))
+GOOD_RELIEF = ReliefSurface(np.zeros((3, 4)), np.ones((3, 4)), frozenset(CAMERAS))
 FRAMES = 60
 
 
@@ -76,6 +80,7 @@ CALLS: dict[tuple[str, str], Callable] = {
     ("matcher", "features"): lambda s: s.features(PICTURE.copy(), np.ones((18, 32), np.uint8)),
     ("matcher", "match"): lambda s: s.match(read_only(POINTS), read_only(POINTS)),
     ("aligner", "align"): lambda s: s.align({CAMERAS: PAIR}, dict.fromkeys(CAMERAS, SIZE), "cam1"),
+    ("relief", "estimate"): lambda s: s.estimate(SCENE),
     ("occlusion", "scorer"): lambda s: s.scorer(POSE, [views()]),
     ("occlusion", "score"): lambda s: s.scorer(POSE, [views()]).score(views()),
     ("selector", "select"): lambda s: s.select(table(), frames=FRAMES, rate=Fraction(30)),
@@ -129,6 +134,7 @@ GOOD = {
     ("matcher", "features"): POINTS,
     ("matcher", "match"): np.array([[0, 1], [1, 0]]),
     ("aligner", "align"): GOOD_ALIGNMENT,
+    ("relief", "estimate"): GOOD_RELIEF,
     ("occlusion", "score"): {"cam1": 0, "cam2": np.float32(1)},
     ("selector", "select"): [shot(0, 20), shot(20, 60, "cam2")],
     ("centerer", "centre"): [(0, 1, 2.0), (np.int64(30), np.float64(0), 0)],
@@ -170,6 +176,12 @@ BAD = [
     ("aligner", "align", attrs.evolve(GOOD_ALIGNMENT, residual_px={"cam2": NAN}), "nan as residual_px of cam2"),
     ("aligner", "align", attrs.evolve(GOOD_ALIGNMENT, support={}), r"support of \[\]"),
     ("aligner", "align", Alignment({"cam2": np.eye(3)}, {}, {}, (Weak("cam1", "?"),)), "the reference cam1"),
+    ("relief", "estimate", GOOD_RELIEF.gamma, "expected ReliefSurface"),
+    ("relief", "estimate", attrs.evolve(GOOD_RELIEF, gamma=np.full((3, 4), NAN)), "as gamma, expected finite nodes"),
+    ("relief", "estimate", attrs.evolve(GOOD_RELIEF, gamma=np.zeros(4)), "as gamma, expected finite nodes"),
+    ("relief", "estimate", attrs.evolve(GOOD_RELIEF, gamma=np.zeros((4, 4))), r"gamma \(4, 4\), confidence \(3, 4\)"),
+    ("relief", "estimate", attrs.evolve(GOOD_RELIEF, confidence=np.full((3, 4), 2.0)), "a confidence outside of 0..1"),
+    ("relief", "estimate", attrs.evolve(GOOD_RELIEF, cameras=frozenset(["cam9"])), "gave cam9, which no camera"),
     ("occlusion", "scorer", 3, "gave 3, which has no score"),
     ("occlusion", "score", [0.5, 0.5], "expected Mapping"),
     ("occlusion", "score", {"cam1": 0.5}, "gave None for camera cam2, expected a number in 0..1"),
@@ -248,6 +260,9 @@ def spoils(value: object) -> Callable[[object], object]:
         ("matcher", "match", lambda a, b: b.descriptors),
         ("aligner", "align", lambda pairs, sizes, reference: pairs[CAMERAS].a),
         ("aligner", "align", lambda pairs, sizes, reference: pairs[CAMERAS].weight),
+        ("relief", "estimate", lambda scene: scene.points),
+        ("relief", "estimate", lambda scene: scene.cameras["cam2"].projection),
+        ("relief", "estimate", lambda scene: scene.cameras["cam2"].views[0].picture),
         ("occlusion", "scorer", lambda pose, samples: pose.field),
         ("occlusion", "scorer", lambda pose, samples: pose.homographies["cam2"]),
         ("occlusion", "scorer", lambda pose, samples: samples[0][1].picture),
@@ -272,6 +287,7 @@ def test_arrays_that_are_handed_over_cannot_be_written_to(stage: str, method: st
         ("movement", "detect", lambda samples, footage, progress: samples.frames.append(3)),
         ("aligner", "align", lambda pairs, sizes, reference: sizes.update(cam1=(1, 1))),
         ("aligner", "align", lambda pairs, sizes, reference: pairs.clear()),
+        ("relief", "estimate", lambda scene: scene.cameras.pop("cam2")),
         ("occlusion", "scorer", lambda pose, samples: pose.homographies.pop("cam2")),
         ("occlusion", "score", lambda views: setattr(views[0], "camera", "cam2")),
         ("selector", "select", lambda table, **_: setattr(table, "cameras", ())),

@@ -6,6 +6,7 @@ import types
 
 import pytest
 
+from mcsl_core.alignment.relief.protocol import ReliefScene
 from mcsl_core.errors import PluginError, UsageError
 from mcsl_core.hooks.registry import discover
 from mcsl_core.hooks.specs import hookimpl
@@ -72,3 +73,10 @@ def test_a_wrong_plugin_is_named_with_package_and_version(module, message: str) 
         found(module)
     assert "their-package 1.2" in str(caught.value)
     assert message in str(caught.value)
+
+
+def test_a_relief_of_their_own_stands_beside_the_built_in_ones() -> None:
+    flat = types.SimpleNamespace(name="flat", estimate=lambda scene: None)
+    plugins = found(plugin("register_reliefs", [flat]))
+    assert plugins.choose("relief", "flat").checked.estimate(ReliefScene((8, 8), {})) is None
+    assert {o.name for o in plugins.offers if o.stage == "relief"} == {"plane-sweep", "plane", "flat"}
