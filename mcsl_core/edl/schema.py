@@ -191,13 +191,13 @@ class Override:
     centering: bool | None = field(default=None, metadata=doc("centering on or off", optional=True))
     fill: bool | None = field(default=None, metadata=doc("fill on or off", optional=True))
     colour: bool | None = field(default=None, metadata=doc("colour matching on or off", optional=True))
-    surface: bool | None = field(default=None, metadata=doc("alignment by the relief on or off", optional=True))
     offset: tuple[float, float] | None = field(
         default=None,
         validator=optional([_pair, NUMBERS]),
         metadata=doc("[dx, dy] in programme pixels, by hand, in place of the automatic centering", optional=True),
     )
     note: str = field(default="", metadata=doc("the editor's remark", optional=True))
+    surface: bool | None = field(default=None, metadata=doc("alignment by the relief on or off", optional=True))
 
     def __attrs_post_init__(self) -> None:
         for name in ("centering", "fill", "colour", "surface"):
