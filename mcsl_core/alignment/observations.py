@@ -24,6 +24,9 @@ from .aligned_views import AlignedPose, Picture
 from .correspondences import Correspondences, pool
 from .field import field_of_camera
 from .protocol import Features, Matcher
+from .relief.cameras import ReliefCameras
+from .relief.estimation import PoseRelief
+from .relief.matching import Views
 from .settings import SolveSettings
 
 NOTHING = Features(np.zeros((0, 2), np.float32), np.zeros((0, 1), np.float32), (1, 1))
@@ -62,6 +65,20 @@ class Observations:
 
 
 @frozen(eq=False)
+class SeenScene:
+    """How a pose's cameras see its relief, over pixels of its reference camera, and what they show.
+
+    Attributes
+    ----------
+    cameras : ReliefCameras
+    views : Views
+    """
+
+    cameras: ReliefCameras
+    views: Views
+
+
+@frozen(eq=False)
 class SolvedPose:
     """A pose that is solved.
 
@@ -79,6 +96,10 @@ class SolvedPose:
         What ``aligned.field`` rests on: PICTURES, or MIDDLE where they show none.
     drawn : tuple of (FrameRange, (H, W) bool array)
         In order: the field drawn by hand, which over its range holds in place of ``aligned.field``.
+    scene : SeenScene, optional
+        How its cameras see the relief, which poses after it go by where a camera shows them little.
+    relief : PoseRelief, optional
+        Over programme pixels, once it is anchored.
     """
 
     pose: Pose
@@ -87,6 +108,8 @@ class SolvedPose:
     observations: Mapping[str, Observations]
     field_by: str = PICTURES
     drawn: tuple[tuple[FrameRange, Mask], ...] = ()
+    scene: SeenScene | None = None
+    relief: PoseRelief | None = None
 
     def fields(self) -> list[tuple[FrameRange, Mask, str]]:
         """Where the field lies when: ranges that tile the pose's, with what each rests on."""

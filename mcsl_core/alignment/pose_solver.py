@@ -12,11 +12,11 @@ from itertools import combinations
 import attrs
 import cv2
 import numpy as np
-from attrs import frozen
+from attrs import field, frozen
 
-from mcsl_core.edl import Pose, Weak
+from mcsl_core.edl import Colour, Pose, Weak
 from mcsl_core.edl.field import MIDDLE, PICTURES
-from mcsl_core.imaging.geometry import size_at_columns, to_edl_matrix
+from mcsl_core.imaging.geometry import Array, size_at_columns, to_edl_matrix
 from mcsl_core.imaging.masks import Mask, central_ellipse, resize_mask
 from mcsl_core.progress import Progress
 from mcsl_core.timing import FrameRange
@@ -27,11 +27,12 @@ from .colour_match import colours_of
 from .correspondences import Pairs
 from .field import field_by_vote, field_in_camera, shared_aim
 from .field_voices import find_field
-from .observations import Observations, Samples, SolvedPose, match_cameras, observe, spread, weight_matches
+from .observations import Observations, Samples, SeenScene, SolvedPose, match_cameras, observe, spread, weight_matches
 from .photo_consistency import Agreement, LaidView, refuted
 from .protocol import Aligner, Alignment, Matcher
 from .relief.cameras import ReliefCameras
 from .relief.matching import Views, field_pairs, relief_cameras
+from .relief.protocol import PlaneRelief, ReliefEstimator
 from .settings import SolveSettings
 from .steady import SteadyView, steady_view
 
@@ -54,6 +55,8 @@ class PoseSolver:
         What ties the cameras together by matches.
     settings : SolveSettings
         Sizes, weights and thresholds.
+    estimator : ReliefEstimator
+        What finds the surface that all cameras see, once the pose is anchored; none is looked for without.
 
     References
     ----------
@@ -65,6 +68,7 @@ class PoseSolver:
     matcher: Matcher
     aligner: Aligner
     settings: SolveSettings
+    estimator: ReliefEstimator = field(factory=PlaneRelief)
 
     def solve(
         self,
@@ -74,6 +78,7 @@ class PoseSolver:
         progress: Progress,
         *,
         known: Mask | None = None,
+        rig: Mapping[str, Array] | None = None,
     ) -> SolvedPose:
         """Solves one pose.
 
@@ -89,6 +94,8 @@ class PoseSolver:
             Told of weak cameras.
         known : (H, W) bool array, optional
             Where the field lies in the reference camera's picture, of any size; it is looked for without.
+        rig : mapping of str to (3, 4) array, optional
+            Camera -> its projection in a pose before, for cameras that show little in this one.
 
         Returns
         -------
@@ -102,27 +109,25 @@ class PoseSolver:
         observations = observe(clear, for_field, samples, self.matcher)
         first, by_points = self._by_points(observations, known)
         pictures = [samples[i].pictures for i in for_dense]
-        steady = {name: steady_view([shown.get(name) for shown in pictures]) for name in first.homographies}
+        steady = {name: steady_view([shown.get(name) for shown in pictures]) for name in self.sizes}
         views = Views(self.reference, self.sizes, steady, pictures)
-        found = relief_cameras(views, first.homographies)
-        relief = found and found[0]
+        cameras = relief_cameras(views, first.homographies, rig)
         if known is None:  # what is found in views laid by their points lays them well enough to find it again
             coarse = self._field(first, for_field, samples)
-            field = self._field(self._together(first, by_points, relief, coarse, views), for_field, samples)
+            field = self._field(self._together(first, by_points, cameras, coarse, views), for_field, samples)
         else:
             field = known
-        tied = self._together(first, by_points, relief, field, views)
+        tied = self._together(first, by_points, cameras, field, views)
         alignment = self._confirmed(tied, steady)
         _tell_of_weak(alignment, frames, progress)
         aligned = self._aligned(alignment, settings.scene_width)
         sure = known is not None or bool(field.any() and shared_aim(self._aligned(tied, aligned.size[0])) >= ONE_AIM)
-        aligned = attrs.evolve(
-            aligned, field=resize_mask(field, aligned.size) if sure else central_ellipse(aligned.size)
-        )
-        pose = attrs.evolve(_pose(frames, alignment), solved_from=tuple(samples.frames[i] for i in clear))
-        pose = attrs.evolve(pose, colour=colours_of(aligned, pictures))
+        field = resize_mask(field, aligned.size) if sure else central_ellipse(aligned.size)
+        aligned = attrs.evolve(aligned, field=field)
+        pose = _pose(frames, alignment, [samples.frames[i] for i in clear], colours_of(aligned, pictures))
         kept = {name: Observations(own.features[::4], own.field) for name, own in observations.items()}
-        return SolvedPose(pose, aligned, tuple(for_dense), kept, PICTURES if sure else MIDDLE)
+        by = PICTURES if sure else MIDDLE
+        return SolvedPose(pose, aligned, tuple(for_dense), kept, by, (), cameras and SeenScene(cameras, views))
 
     def _clear(self, standing: Sequence[int], samples: Samples) -> list[int]:
         """The samples to find points in."""
@@ -174,17 +179,18 @@ class PoseSolver:
         """
         if relief is None:
             return first
+        told = relief.projections.keys()
         dense = field_pairs(relief, field if field.any() else central_ellipse(views.size), views)
         rest = {
             pair: matches
             for pair, matches in by_points.items()
-            if not relief.projections.keys() >= set(pair) and first.homographies.keys() >= set(pair)
+            if not told >= set(pair) and first.homographies.keys() >= set(pair)
         }
-        sizes = {name: self.sizes[name] for name in first.homographies}
+        sizes = {name: self.sizes[name] for name in self.sizes if name in first.homographies or name in told}
         final = self.aligner.align({**dense, **rest}, sizes, self.reference)
         if final.weak:
             return first
-        return attrs.evolve(final, weak=first.weak)
+        return attrs.evolve(final, weak=tuple(w for w in first.weak if w.camera not in told))
 
     def _confirmed(self, alignment: Alignment, steady: Mapping[str, SteadyView | None]) -> Alignment:
         """The alignment without the cameras that the pictures refute: they are weak."""
@@ -213,11 +219,13 @@ class PoseSolver:
         return AlignedPose(size, self.reference, alignment.homographies, self.sizes, nowhere)
 
 
-def _pose(frames: FrameRange, alignment: Alignment) -> Pose:
+def _pose(frames: FrameRange, alignment: Alignment, solved_from: Sequence[int], colour: Mapping[str, Colour]) -> Pose:
     """What the EDL says of an alignment."""
     return Pose(
         range=frames,
         homographies={name: to_edl_matrix(h) for name, h in alignment.homographies.items()},
+        colour=colour,
+        solved_from=tuple(solved_from),
         residual_px={n: round(v, 3) for n, v in alignment.residual_px.items()},
         support=dict(alignment.support),
         weak=alignment.weak,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import attrs
 import cv2
@@ -11,7 +11,7 @@ from attrs import frozen
 
 from mcsl_core.edl import DrawnField, Movement
 from mcsl_core.edl.field import drawn_over
-from mcsl_core.imaging.geometry import scaling, size_at_columns, to_edl_matrix, transform_points
+from mcsl_core.imaging.geometry import Array, scaling, size_at_columns, to_edl_matrix, transform_points
 from mcsl_core.imaging.masks import Mask, polygon_mask
 from mcsl_core.progress import HeldNotes, Progress
 from mcsl_core.recording.sample_store import SampleStore
@@ -21,6 +21,7 @@ from .aligned_views import AlignedPose
 from .anchoring import anchor
 from .observations import SolvedPose
 from .pose_solver import PoseSolver
+from .relief.estimation import estimate_relief
 
 _ENOUGH = 3  # samples with the reference camera's picture from which a pose is solved in its view
 
@@ -58,7 +59,11 @@ def with_needed_points(solved: Sequence[SolvedPose]) -> list[SolvedPose]:
     pictures with a movement every ten minutes the points of all poses took 110 MB."""
     last = solved[-1]
     began = next(pose for pose in solved if pose.pose.perspective == last.pose.perspective)
-    return [pose if pose is last or pose is began else attrs.evolve(pose, observations={}) for pose in solved]
+    return [pose if pose is last or pose is began else _without_evidence(pose) for pose in solved]
+
+
+def _without_evidence(pose: SolvedPose) -> SolvedPose:
+    return attrs.evolve(pose, observations={}, scene=None, relief=None)
 
 
 @frozen(eq=False)
@@ -88,7 +93,18 @@ class _Recording:
 
     def _anchored(self, pose: SolvedPose, earlier: Sequence[SolvedPose], progress: Progress) -> SolvedPose:
         solver = self.solver
-        return anchor(pose, earlier, self.samples, matcher=solver.matcher, settings=solver.settings, progress=progress)
+        tied = anchor(pose, earlier, self.samples, matcher=solver.matcher, settings=solver.settings, progress=progress)
+        if tied.scene is None:
+            return tied
+        anchored = np.array(tied.pose.anchor)
+        planes = {name: anchored @ h for name, h in tied.aligned.homographies.items()}
+        shared = (one for one in earlier if one.pose.perspective == tied.pose.perspective)
+        before = next((one.relief for one in shared if one.relief is not None), None)
+        seen = tied.scene
+        relief = estimate_relief(solver.estimator, seen.cameras, seen.views, planes, before)
+        if relief is None:
+            return tied
+        return attrs.evolve(tied, pose=attrs.evolve(tied.pose, relief=relief.document()), relief=relief)
 
     def _drawn_in(self, pose: SolvedPose, progress: Progress) -> tuple[tuple[FrameRange, Mask], ...]:
         """What is drawn over a pose, as masks of its aligned picture, but for what lies outside of that."""
@@ -120,7 +136,7 @@ def _solved(
     """One pose, from the samples in which the reference camera has a picture; without any, from another's view."""
     shown = [position for position in standing if samples.shows(position, solver.reference)]
     if len(shown) >= min(_ENOUGH, len(standing)):
-        return solver.solve(within, shown, samples, progress, known=known)
+        return solver.solve(within, shown, samples, progress, known=known, rig=_rig(earlier))
     seen = {name: sum(samples.shows(position, name) for position in standing) for name in solver.sizes}
     tied = earlier[-1].aligned.homographies if earlier else {}
     stand_in = max(seen, key=lambda name: (2 * seen[name] >= len(standing), name in tied, seen[name]))
@@ -131,6 +147,11 @@ def _solved(
     )
     pose = attrs.evolve(solver, reference=stand_in).solve(within, standing, samples, progress)
     return _laid_by(pose, solver, earlier[-1] if stand_in in tied else None)
+
+
+def _rig(earlier: Sequence[SolvedPose]) -> Mapping[str, Array] | None:
+    """The projections of the last pose that has any."""
+    return next((pose.scene.cameras.projections for pose in reversed(earlier) if pose.scene is not None), None)
 
 
 def _laid_by(pose: SolvedPose, solver: PoseSolver, before: SolvedPose | None) -> SolvedPose:
@@ -152,4 +173,4 @@ def _laid_by(pose: SolvedPose, solver: PoseSolver, before: SolvedPose | None) ->
     weak = tuple(w for w in pose.pose.weak if w.camera != reference)
     matrices = {name: to_edl_matrix(h) for name, h in homographies.items()}
     made = attrs.evolve(pose.pose, homographies=matrices, colour=colour, weak=weak)
-    return attrs.evolve(pose, pose=made, aligned=aligned)
+    return attrs.evolve(pose, pose=made, aligned=aligned, scene=None)

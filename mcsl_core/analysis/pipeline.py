@@ -111,7 +111,7 @@ def _analysed(
         footage = _with_gaps(footage, met, progress)
         detection = cache.remember(MOVEMENTS, keys.movements, by["movement"].detect, samples, footage, progress)
         movements = detection.movements
-        solver = PoseSolver(sizes, reference.name, by["matcher"], by["aligner"], settings.solve)
+        solver = PoseSolver(sizes, reference.name, by["matcher"], by["aligner"], settings.solve, by["relief"])
         solved = cache.remember(POSES, keys.poses, solve_poses, solver, samples, movements, frames, progress, drawn)
         colours = cache.remember(COLOURS, keys.colours, follow_drift, samples, solved, footage, movements, progress)
         segments = Deferred(scoring_segments, samples, solved, movements, by["occlusion"])

@@ -63,7 +63,9 @@ def stage_keys(
     clocks = clocks_key(cameras, reference, settings)
     samples = key_of(code_of(SampleStore), clocks, damage_key(cameras), rate, frames, settings.sample_s)
     movements = key_of(samples, by["movement"])
-    poses = key_of(code_of(solve_poses), movements, reference, by["matcher"], by["aligner"], settings.solve)
+    poses = key_of(
+        code_of(solve_poses), movements, reference, by["matcher"], by["aligner"], by["relief"], settings.solve
+    )
     if drawn:
         poses = key_of(poses, [(each.range.start, each.range.stop, each.polygons) for each in drawn])
     colours = key_of(code_of(follow_drift), poses)

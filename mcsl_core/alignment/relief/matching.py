@@ -18,11 +18,13 @@ from ..dense_matching import AlignedCamera, DenseSettings, match_densely, pixels
 from ..steady import SteadyView
 from .cameras import ReliefCameras, Tracks, locate, project, solve_cameras, tracks_of
 from .interpolation import gamma_map
+from .rig import moved_rig
 
 WIDTH = 480  # columns of the views that are matched: more found no more, and took its time
 _BY_PLANE = DenseSettings(grid_px=6, other_hue=0.0, reach=0.05)  # a relief may lead so far ...
 _BY_RELIEF = DenseSettings(grid_px=6, other_hue=0.0, reach=0.02)  # ... and what is left of it so far
 _LEAST = 150  # matches of a camera: with fewer it spoils itself and the others
+_SURE = 600  # matches of a camera that the rig has nothing to tell about
 _PLENTY = 1200  # with fewer its single samples are matched as well
 _SAMPLES = 12
 _FIELD_POINTS = 1500
@@ -56,8 +58,10 @@ class Views:
         return size_at_columns(self.sizes[self.reference], WIDTH)
 
 
-def relief_cameras(views: Views, homographies: Mapping[str, Array]) -> tuple[ReliefCameras, Pairs] | None:
-    """The projections of the cameras that show enough of the same, and the matches they were found by.
+def relief_cameras(
+    views: Views, homographies: Mapping[str, Array], rig: Mapping[str, Array] | None = None
+) -> ReliefCameras | None:
+    """The projections of the cameras that show enough of the same, and the points they were found by.
 
     Parameters
     ----------
@@ -65,10 +69,12 @@ def relief_cameras(views: Views, homographies: Mapping[str, Array]) -> tuple[Rel
         What the cameras show.
     homographies : mapping of str to (3, 3) array
         Camera -> its plane, full-size camera pixel -> reference pixel, to some 5 % of a diagonal.
+    rig : mapping of str to (3, 4) array, optional
+        Projections in another pose, which tell of cameras that show little in this one.
 
     Returns
     -------
-    (ReliefCameras, mapping of (str, str) to Correspondences) or None
+    ReliefCameras or None
         None where fewer than two cameras share enough.
 
     Notes
@@ -84,7 +90,23 @@ def relief_cameras(views: Views, homographies: Mapping[str, Array]) -> tuple[Rel
     found = _solved(_matched(views, laid, _BY_PLANE), names, views, homographies)
     if found is None:
         return None
-    return _solved(_matched(views, _laid_by(found[0], views), _BY_RELIEF), names, views, homographies) or found
+    found = _solved(_matched(views, _laid_by(found[0], views), _BY_RELIEF), names, views, homographies) or found
+    return _by_rig(*found, rig, views) if rig else found[0]
+
+
+def _by_rig(cameras: ReliefCameras, steady: Pairs, rig: Mapping[str, Array], views: Views) -> ReliefCameras:
+    """The same, of cameras that show little what the rig tells; they are sure by what they show steadily."""
+    counted = tracks_of(steady, list(cameras.projections)).counted()
+    sure = {name: p for name, p in cameras.projections.items() if counted[name] >= _SURE or name == views.reference}
+    moved = moved_rig(rig, sure, cameras.points, views.reference, views.sizes)
+    told = {} if moved is None else {name: p for name, p in moved.items() if name not in sure}
+    if not told:
+        return cameras
+    projections = {**cameras.projections, **told}
+    own = {pair: matches for pair, matches in steady.items() if pair[0] == views.reference and pair[1] not in told}
+    names = [name for name in cameras.projections if name not in told]
+    located = locate(tracks_of(own, names), projections, views.sizes)
+    return ReliefCameras(projections, located.points, {**dict.fromkeys(told, 0.0), **located.residual_px})
 
 
 def _laid_by(cameras: ReliefCameras, views: Views) -> dict[str, Array]:

@@ -1,0 +1,153 @@
+"""A pose's relief over programme pixels: how its cameras see it, the surface that all see, and what the EDL has of it.
+
+Poses of one perspective share its relief: a later pose is tied to the scene that the one before it found, and its own
+views are estimated together with that one's. So the perspective survives a movement as exactly as a camera is aligned
+within a pose, and a hand that rests in one pose is outvoted by the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from attrs import evolve, frozen
+
+from mcsl_core.edl import Relief
+from mcsl_core.imaging.geometry import Array, inverse
+
+from ..steady import steady_view
+from .cameras import ReliefCameras, project
+from .matching import Views
+from .protocol import ReliefCamera, ReliefEstimator, ReliefScene, ReliefSurface, ReliefView
+from .tying import tie_scene
+
+_GROUPS = 3  # of moments: a hand that rests in one of them is outvoted
+_ABOUT = 0.15  # widths about the middle, where the cameras aim: there the base plane lies in the scene
+_BEFORE = " before"  # what a camera of the pose before is called
+
+
+@frozen(eq=False)
+class PoseRelief:
+    """A pose's relief over programme pixels.
+
+    Attributes
+    ----------
+    scene : ReliefScene
+        The pose's cameras, with what they show.
+    surface : ReliefSurface
+        Gamma at nodes over the programme's picture.
+    """
+
+    scene: ReliefScene
+    surface: ReliefSurface
+
+    def document(self) -> Relief:
+        """As the EDL has it; of the cameras that the surface serves."""
+        projections = {}
+        for name, camera in self.scene.cameras.items():
+            if name in self.surface.cameras:
+                a, b, c = (tuple(float(v) for v in row) for row in camera.projection)
+                projections[name] = (a, b, c)
+        sure = np.round(100 * np.clip(self.surface.confidence, 0, 1)).astype(int)
+        return Relief(
+            projections,
+            tuple(tuple(round(float(v), 3) for v in row) for row in self.surface.gamma),
+            tuple(tuple(int(v) for v in row) for row in sure),
+        )
+
+
+def estimate_relief(
+    estimator: ReliefEstimator,
+    cameras: ReliefCameras,
+    views: Views,
+    to_programme: Mapping[str, Array],
+    before: PoseRelief | None,
+) -> PoseRelief | None:
+    """Has the surface of a pose estimated.
+
+    Parameters
+    ----------
+    estimator : ReliefEstimator
+        What finds it.
+    cameras : ReliefCameras
+        How the cameras see the pose's scene, over pixels of its reference camera.
+    views : Views
+        What they show; all samples together and in groups of successive ones.
+    to_programme : mapping of str to (3, 3) array
+        Camera -> its plane, full-size camera pixel -> programme pixel, whose size is the reference camera's.
+    before : PoseRelief, optional
+        Of the pose that began the perspective.
+
+    Returns
+    -------
+    PoseRelief or None
+        None where the plane is to stay.
+    """
+    size = views.sizes[views.reference]
+    own = _scene(cameras, views, to_programme)
+    lifted = np.eye(4)  # programme pixel and gamma -> the pose's own, by the plane alone
+    lifted[:3, :3] = to_programme[views.reference]
+    known = None if before is None else tie_scene(before.scene, before.surface, own, inverse4(lifted))
+    if before is None or known is None:
+        placed = _based(_moved(own, inverse4(lifted)))
+        surface = estimator.estimate(placed)
+    else:
+        placed = _moved(own, known)
+        earlier = {name + _BEFORE: camera for name, camera in before.scene.cameras.items()}
+        points = np.concatenate([before.scene.points, placed.points])
+        surface = estimator.estimate(ReliefScene(size, {**placed.cameras, **earlier}, points))
+    if surface is None or not placed.cameras.keys() & surface.cameras:
+        return None
+    return PoseRelief(placed, evolve(surface, cameras=surface.cameras & placed.cameras.keys()))
+
+
+def inverse4(matrix: Array) -> Array:
+    """(4, 4): the way back, as float64."""
+    return np.asarray(np.linalg.inv(matrix), np.float64)
+
+
+def _scene(cameras: ReliefCameras, views: Views, to_programme: Mapping[str, Array]) -> ReliefScene:
+    """What is known over the pixels of the pose's reference camera; planes over programme pixels."""
+    count = len(views.samples)
+    groups = [slice(g * count // _GROUPS, (g + 1) * count // _GROUPS) for g in range(_GROUPS)]
+    made: dict[str, ReliefCamera] = {}
+    for name, projection in cameras.projections.items():
+        if name not in to_programme:
+            continue
+        shown = [sample.get(name) for sample in views.samples]
+        found = [views.steady.get(name), *(steady_view(shown[group]) for group in groups)]
+        pictures = tuple(ReliefView(view.picture, view.steady) for view in found if view is not None)
+        made[name] = ReliefCamera(views.sizes[name], projection, inverse(to_programme[name]), pictures)
+    return ReliefScene(views.sizes[views.reference], made, cameras.points)
+
+
+def _moved(scene: ReliefScene, to_own: Array) -> ReliefScene:
+    """A scene over other pixels, ``to_own`` (4, 4) leading from those and gamma to its own; planes as they are."""
+    cameras = {}
+    for name, camera in scene.cameras.items():
+        projection = camera.projection @ to_own
+        cameras[name] = evolve(camera, projection=projection / projection[2, 2])
+    points = np.insert(scene.points, 2, 1.0, axis=1) @ inverse4(to_own).T
+    return ReliefScene(scene.size, cameras, points[:, [0, 1, 3]] / points[:, 2:3])
+
+
+def _based(scene: ReliefScene) -> ReliefScene:
+    """The same with gamma 0 on the plane through the scene's middle, and 1 where it moves some camera by a pixel.
+
+    Projections are known but for a plane and a scale: P [x, 1, gamma] = P' [x, 1, (gamma - m [x, 1]) s].
+    """
+    middle = np.array([scene.size[0] / 2, scene.size[1] / 2])
+    near = np.exp(-((np.hypot(*(scene.points[:, :2] - middle).T) / (_ABOUT * scene.size[0])) ** 2)) + 1e-6
+    pixels = np.column_stack([scene.points[:, :2], np.ones(len(scene.points))])
+    weight, plane = near, np.zeros(3)
+    for _ in range(10):
+        root = np.sqrt(weight)
+        plane = np.linalg.lstsq(pixels * root[:, None], scene.points[:, 2] * root, rcond=None)[0]
+        left = scene.points[:, 2] - pixels @ plane
+        weight = near / (1 + (left / (3 * np.median(np.abs(left)) + 1e-12)) ** 2)
+    to_own = np.eye(4)
+    to_own[3, :3] = plane
+    based = _moved(scene, to_own)
+    low, high = np.append(middle, 0.0)[None], np.append(middle, 1e-3)[None]
+    moves = [np.hypot(*(project(c.projection, high) - project(c.projection, low))[0]) for c in based.cameras.values()]
+    return _moved(based, np.diag([1, 1, 1, 1e-3 / float(max(moves))]))

@@ -1,0 +1,97 @@
+"""Cameras tied by pictures of a relief: rendered exactly, laid some pixels wrong, found to a fraction of one."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+
+from mcsl_core.alignment.dense_matching import pixels_of
+from mcsl_core.alignment.relief.cameras import project
+from mcsl_core.alignment.relief.matching import Views, field_pairs, relief_cameras
+from mcsl_core.alignment.steady import SteadyView
+from mcsl_core.imaging.geometry import transform_points
+
+SIZE = (480, 270)
+PROJECTIONS = {
+    "ref": np.eye(3, 4),
+    "b": np.array([[0.31, -0.95, 290.0, 0.9], [0.95, 0.31, -175.0, 0.4], [2e-5, 4e-5, 1.0, 1e-4]]),
+    "c": np.array([[-0.81, -0.59, 515.0, -0.5], [0.59, -0.81, 100.0, 0.8], [-4e-5, 2e-5, 1.0, 2e-4]]),
+}
+
+
+def hill(points: np.ndarray) -> np.ndarray:
+    return 7 * np.exp(-(((points - (240, 135)) / (70, 50)) ** 2).sum(axis=1)) - 1
+
+
+@pytest.fixture(scope="module")
+def pictures() -> dict[str, np.ndarray]:
+    """What the cameras see of a cloth over the hill."""
+    rng = np.random.default_rng(7)
+    size = (SIZE[0] + 400, SIZE[1] + 400)
+    grey = sum(
+        cv2.resize(rng.normal(0, 1, (size[1] // k + 2, size[0] // k + 2)).astype(np.float32), size) * k**0.5
+        for k in (3, 6, 15)
+    )
+    cloth = cv2.cvtColor(cv2.normalize(grey, None, 30, 220, cv2.NORM_MINMAX).astype(np.uint8), cv2.COLOR_GRAY2BGR)
+    seen = {}
+    for name, own in PROJECTIONS.items():
+        back, target = np.linalg.inv(own[:, :3]), pixels_of(SIZE)
+        at = transform_points(back, target)
+        for _ in range(30):  # the scene point that the pixel shows
+            at += transform_points(back, target) - transform_points(back, project(own, np.column_stack([at, hill(at)])))
+        x, y = (at + 200).astype(np.float32).T.reshape(2, SIZE[1], SIZE[0])
+        seen[name] = cv2.remap(cloth, x, y, cv2.INTER_CUBIC)
+    return seen
+
+
+def views(pictures: dict[str, np.ndarray]) -> Views:
+    steady = {name: SteadyView(picture, np.ones(SIZE[::-1], bool)) for name, picture in pictures.items()}
+    return Views("ref", dict.fromkeys(pictures, SIZE), steady, [pictures] * 3)
+
+
+def planes(wrong: float = 3.0) -> dict[str, np.ndarray]:
+    shift = np.array([[1, 0, wrong], [0, 1, -wrong], [0, 0, 1.0]])
+    return {n: np.eye(3) if n == "ref" else shift @ np.linalg.inv(p[:, :3]) for n, p in PROJECTIONS.items()}
+
+
+def test_projections_and_gamma_are_found_by_pictures_alone(pictures) -> None:
+    cameras = relief_cameras(views(pictures), planes())
+    assert cameras is not None
+    assert set(cameras.projections) == {"ref", "b", "c"}
+    assert len(cameras.points) > 1000
+    scene = cameras.points[:, :2]
+    for name in ("b", "c"):
+        there = project(PROJECTIONS[name], np.column_stack([scene, hill(scene)]))
+        off = np.hypot(*(project(cameras.projections[name], cameras.points) - there).T)
+        assert np.median(off) < 0.15, name
+        assert np.percentile(off, 95) < 0.6, name
+
+    field = np.zeros((54, 96), bool)
+    field[20:34, 38:58] = True
+    for (a, name), matches in field_pairs(cameras, field, views(pictures)).items():
+        inside = matches.weight == 1
+        assert a == "ref"
+        assert inside.sum() > 500
+        there = project(PROJECTIONS[name], np.column_stack([matches.a, hill(matches.a)]))[inside]
+        assert np.median(np.hypot(*(matches.b[inside] - there).T)) < 0.2
+        assert matches.weight[~inside].sum() < 0.01 * inside.sum()
+
+
+def test_a_camera_that_shows_nothing_of_it_is_left_out(pictures) -> None:
+    blank = {**pictures, "c": np.full_like(pictures["c"], 90)}
+    found = relief_cameras(views(blank), planes())
+    assert found is not None
+    assert set(found.projections) == {"ref", "b"}
+    nothing = {name: np.full_like(picture, 90) for name, picture in pictures.items()}
+    assert relief_cameras(views(nothing), planes()) is None
+
+
+def test_what_is_not_steady_is_not_matched(pictures) -> None:
+    shaking = views(pictures)
+    half = np.ones(SIZE[::-1], bool)
+    half[:, :200] = False
+    shaking.steady["ref"] = SteadyView(pictures["ref"], half)  # pyright: ignore[reportIndexIssue]
+    found = relief_cameras(shaking, planes())
+    assert found is not None
+    assert found.points[:, 0].min() >= 195

@@ -1,0 +1,94 @@
+"""A pose's scene found in the one before by pictures alone: the lamp has moved, the hill has not."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+
+from mcsl_core.alignment.dense_matching import pixels_of
+from mcsl_core.alignment.relief.cameras import project
+from mcsl_core.alignment.relief.protocol import ReliefCamera, ReliefScene, ReliefSurface, ReliefView
+from mcsl_core.alignment.relief.tying import tie_scene
+from mcsl_core.imaging.geometry import transform_points
+
+SIZE = (480, 270)
+RIG = {
+    "ref": np.eye(3, 4),
+    "b": np.array([[0.31, -0.95, 290.0, 0.9], [0.95, 0.31, -175.0, 0.4], [2e-5, 4e-5, 1.0, 1e-4]]),
+    "c": np.array([[-0.81, -0.59, 515.0, -0.5], [0.59, -0.81, 100.0, 0.8], [-4e-5, 2e-5, 1.0, 2e-4]]),
+}
+# Programme pixel and gamma -> own: the lamp turned by 20 degrees, tilted, came nearer; gamma on another scale.
+MOVED = np.eye(4)
+MOVED[:2, :3] = cv2.getRotationMatrix2D((240, 135), 20, 1.04)
+MOVED[:2, 2] += 9, -6
+MOVED[2] = 8e-5, -5e-5, 1, 1e-4
+MOVED[:2, 3] = 0.5, -0.7
+MOVED[3] = 2e-3, -1e-3, 0.2, -1.7
+
+
+def hill(points: np.ndarray) -> np.ndarray:
+    return 7 * np.exp(-(((points - (240, 135)) / (70, 50)) ** 2).sum(axis=1)) - 1
+
+
+def picture(projection: np.ndarray, cloth: np.ndarray) -> np.ndarray:
+    """What a camera sees of a cloth over the hill."""
+    back, target = np.linalg.inv(projection[:, :3]), pixels_of(SIZE)
+    at = transform_points(back, target)
+    for _ in range(30):
+        seen = project(projection, np.column_stack([at, hill(at)]))
+        at += transform_points(back, target) - transform_points(back, seen)
+    x, y = (at + 200).astype(np.float32).T.reshape(2, SIZE[1], SIZE[0])
+    return cv2.remap(cloth, x, y, cv2.INTER_CUBIC)
+
+
+@pytest.fixture(scope="module")
+def cloth() -> np.ndarray:
+    rng = np.random.default_rng(7)
+    size = (SIZE[0] + 400, SIZE[1] + 400)
+    grey = sum(
+        cv2.resize(rng.normal(0, 1, (size[1] // k + 2, size[0] // k + 2)).astype(np.float32), size) * k**0.5
+        for k in (3, 6, 15)
+    )
+    return cv2.cvtColor(cv2.normalize(grey, None, 30, 220, cv2.NORM_MINMAX).astype(np.uint8), cv2.COLOR_GRAY2BGR)
+
+
+def scene(to_own: np.ndarray, cloth: np.ndarray) -> ReliefScene:
+    """The rig where ``to_own`` has it; its planes a few pixels wrong, as an anchor leaves them."""
+    shift = np.array([[1, 0, 3.0], [0, 1, -2.0], [0, 0, 1]])
+    cameras = {}
+    for name, own in RIG.items():
+        view = ReliefView(picture(own @ to_own, cloth), np.ones(SIZE[::-1], bool))
+        cameras[name] = ReliefCamera(SIZE, own, shift @ own[:, :3] @ to_own[:3, :3], (view,))
+    return ReliefScene(SIZE, cameras)
+
+
+def surface() -> ReliefSurface:
+    x, y = np.meshgrid(np.linspace(0, SIZE[0] - 1, 96), np.linspace(0, SIZE[1] - 1, 54))
+    gamma = hill(np.stack([x.ravel(), y.ravel()], axis=1)).reshape(54, 96)
+    return ReliefSurface(gamma, np.ones((54, 96)), frozenset(RIG))
+
+
+def test_the_scene_lies_where_the_lamp_has_gone(cloth: np.ndarray) -> None:
+    before, now = scene(np.eye(4), cloth), scene(MOVED, cloth)
+    start = np.eye(4)
+    start[:3, :3] = MOVED[:3, :3]
+    tied = tie_scene(before, surface(), now, start)
+    assert tied is not None
+    pixels = np.random.default_rng(3).uniform((60, 40), (420, 230), (300, 2))
+    points = np.column_stack([pixels, hill(pixels)])
+    for name, own in RIG.items():
+        there = project(own @ MOVED, points)
+        shown = ((there > 5) & (there < np.array(SIZE) - 5)).all(axis=1)
+        off = np.hypot(*(project(own @ tied, points) - there).T)[shown]
+        assert np.median(off) < 0.15, name
+        assert np.percentile(off, 95) < 0.5, name
+        by_plane = np.hypot(*(project(own @ start, points) - there).T)[shown]
+        assert np.percentile(by_plane, 95) > 2, "or this says nothing"
+
+
+def test_another_scene_is_not_tied(cloth: np.ndarray) -> None:
+    before, now = scene(np.eye(4), cloth), scene(MOVED, np.ascontiguousarray(cloth[::-1, ::-1]))
+    start = np.eye(4)
+    start[:3, :3] = MOVED[:3, :3]
+    assert tie_scene(before, surface(), now, start) is None
