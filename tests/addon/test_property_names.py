@@ -33,6 +33,7 @@ SAVED = {  # in .blend files that editors have: never to be renamed
     "mcsl_look_centering",
     "mcsl_look_colour",
     "mcsl_look_fill",
+    "mcsl_look_surface",
     "mcsl_name",
     "mcsl_offset",
     "mcsl_overrides",
@@ -41,6 +42,7 @@ SAVED = {  # in .blend files that editors have: never to be renamed
     "mcsl_recording",
     "mcsl_silent",
     "mcsl_sound",
+    "mcsl_surface",
     "mcsl_tracks",
 }
 
