@@ -31,7 +31,7 @@ class Relief:
         validator=[NotEmpty(), NUMBERS],
         metadata=doc(
             "camera -> [x, y, 1, gamma], programme pixel before centering, to camera pixel (homogeneous), scaled so "
-            "that [2][2] is 1; a camera that is not in it keeps its plane"
+            "that the third number of the third row is 1; a camera that is not in it keeps its plane"
         ),
     )
     gamma: tuple[tuple[float, ...], ...] = field(
