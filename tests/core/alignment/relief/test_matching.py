@@ -95,3 +95,17 @@ def test_what_is_not_steady_is_not_matched(pictures) -> None:
     found = relief_cameras(shaking, planes())
     assert found is not None
     assert found.points[:, 0].min() >= 195
+
+
+def test_where_hands_work_all_over_the_middle_single_samples_speak(pictures) -> None:
+    busy = views(pictures)
+    for name, picture in pictures.items():
+        still = np.ones(SIZE[::-1], bool)
+        still[20:250, 100:380] = False
+        busy.steady[name] = SteadyView(picture, still)  # pyright: ignore[reportIndexIssue]
+    found = relief_cameras(busy, planes())
+    assert found is not None
+    middle = found.points[np.hypot(*(found.points[:, :2] - (240, 135)).T) < 60]
+    assert len(middle) > 100
+    there = project(PROJECTIONS["c"], np.column_stack([middle[:, :2], hill(middle[:, :2])]))
+    assert np.median(np.hypot(*(project(found.projections["c"], middle) - there).T)) < 0.2
