@@ -179,6 +179,56 @@ def locate(tracks: Tracks, projections: Mapping[str, Array], sizes: Mapping[str,
     ReliefCameras
         With the points that two cameras at least agree on.
     """
+    if not len(tracks.seen):
+        return ReliefCameras(dict(projections), np.zeros((0, 3)), dict.fromkeys(tracks.cameras, 0.0))
+    points, off, norm = _located(tracks, projections, sizes)
+    agree = (off < _AGREES).sum(axis=1) >= 2
+    known = agree[:, None] & np.isfinite(off)
+    median = [float(np.median(off[known[:, k], k])) if known[:, k].any() else 0.0 for k in range(off.shape[1])]
+    return ReliefCameras(
+        dict(projections),
+        np.column_stack([transform_points(inverse(norm), points[agree, :2]), points[agree, 2]]),
+        {n: m * sizes[n][0] / 2 for n, m in zip(tracks.cameras, median, strict=True)},
+    )
+
+
+def confirmed(
+    tracks: Tracks, projections: Mapping[str, Array], sizes: Mapping[str, tuple[int, int]]
+) -> dict[str, tuple[int, float]]:
+    """How far each camera sees the points where the others say.
+
+    Parameters
+    ----------
+    tracks, projections, sizes
+        As `locate` has them.
+
+    Returns
+    -------
+    dict of str to (int, float)
+        Camera, without the reference -> how many points it sees that two others agree on without it, and the share of
+        those that it sees where they say. Two cameras alone always agree: a point may lie anywhere on a ray.
+    """
+    found = {}
+    for k, name in list(enumerate(tracks.cameras))[1:]:
+        seen = tracks.seen[(~np.isnan(tracks.seen[..., 0])).sum(axis=1) >= 3]
+        seen = seen[~np.isnan(seen[:, k, 0])]
+        if not len(seen):
+            found[name] = 0, 0.0
+            continue
+        others = seen.copy()
+        others[:, k] = np.nan
+        points, off, norm = _located(Tracks(tracks.cameras, others), projections, sizes)
+        agree = (off < _AGREES).sum(axis=1) >= 2
+        full = np.column_stack([transform_points(inverse(norm), points[agree, :2]), points[agree, 2]])
+        apart = np.hypot(*(project(projections[name], full) - seen[agree, k]).T) / sizes[name][0] * 2
+        found[name] = int(agree.sum()), float((apart < 2 * _AGREES).mean()) if agree.any() else 0.0
+    return found
+
+
+def _located(
+    tracks: Tracks, projections: Mapping[str, Array], sizes: Mapping[str, tuple[int, int]]
+) -> tuple[Array, Array, Array]:
+    """((N, 3) points, (N, K) how far off each camera sees them, inf where not, (3, 3) the reference's scale)."""
     norm = {name: _centred(sizes[name]) for name in tracks.cameras}
     back = inverse(norm[tracks.cameras[0]])
     own = [norm[n] @ projections[n] for n in tracks.cameras]
@@ -187,16 +237,9 @@ def locate(tracks: Tracks, projections: Mapping[str, Array], sizes: Mapping[str,
     _, points = problem.started(np.concatenate([within[..., :3], np.zeros((len(own), 3, 1))], axis=2))
     points[:, 2] = 0
     for scale in _SCALES:
-        points = problem.point_step(within, points, max(scale, _SCALES[-1]))
+        points = problem.point_step(within, points, scale)
     off = np.where(problem.sees, np.linalg.norm(_projected(within, points) - problem.seen, axis=2), np.inf)
-    agree = (off < _AGREES).sum(axis=1) >= 2
-    known = agree[:, None] & problem.sees
-    median = [float(np.median(off[known[:, k], k])) if known[:, k].any() else 0.0 for k in range(len(own))]
-    return ReliefCameras(
-        dict(projections),
-        np.column_stack([transform_points(back, points[agree, :2]), points[agree, 2]]),
-        {n: m * sizes[n][0] / 2 for n, m in zip(tracks.cameras, median, strict=True)},
-    )
+    return points, off, norm[tracks.cameras[0]]
 
 
 def _projected(projections: Array, points: Array) -> Array:

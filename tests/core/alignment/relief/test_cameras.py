@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mcsl_core.alignment.correspondences import Correspondences
-from mcsl_core.alignment.relief.cameras import locate, project, solve_cameras, tracks_of
+from mcsl_core.alignment.relief.cameras import confirmed, locate, project, solve_cameras, tracks_of
 
 SIZE = (960, 540)
 SIZES = {name: SIZE for name in ("ref", "b", "c", "d", "poor")}
@@ -122,3 +122,29 @@ def test_tracks_join_what_the_reference_shares_with_all(rig: Rig) -> None:
     for k, name in enumerate(("ref", "b", "c")):
         np.testing.assert_allclose(first[:, k], rig.seen(name, scene)[order], atol=1e-9)
     assert len(tracks_of({}, ["ref", "b"]).seen) == 0
+
+
+def test_a_camera_that_was_tied_by_chance_is_told_by_the_others(rig: Rig) -> None:
+    scene = rig.scene(500)
+    names = ["ref", "b", "c", "d"]
+    pairs = {("ref", n): matches(rig, "ref", n, scene, 0.1, 0.05) for n in names[1:]}
+    chance = pairs["ref", "d"]
+    astray = chance.b + rig.rng.uniform(-12, 12, chance.b.shape)
+    planes = {n: rig.plane(n) if n != "ref" else np.eye(3) for n in names}
+    right = confirmed(tracks_of(pairs, names), solve_cameras(tracks_of(pairs, names), planes, SIZES), SIZES)
+    assert set(right) == {"b", "c", "d"}
+    assert all(judged > 400 and share > 0.9 for judged, share in right.values())
+    pairs["ref", "d"] = Correspondences(chance.a, astray, chance.weight, chance.seen)
+    tracks = tracks_of(pairs, names)
+    found = confirmed(tracks, solve_cameras(tracks, planes, SIZES), SIZES)
+    assert found["d"][1] < 0.6
+    assert min(found["b"][1], found["c"][1]) > 0.9
+    alone = {pair: m for pair, m in pairs.items() if pair != ("ref", "d")}
+    two = tracks_of({("ref", "b"): alone["ref", "b"]}, names[:2])
+    assert confirmed(two, {n: np.eye(3, 4) for n in names[:2]}, SIZES) == {"b": (0, 0.0)}
+
+
+def test_nothing_is_located_by_no_points() -> None:
+    nothing = locate(tracks_of({}, ["ref", "b"]), {"ref": np.eye(3, 4), "b": np.eye(3, 4)}, SIZES)
+    assert nothing.points.shape == (0, 3)
+    assert set(nothing.residual_px) == {"ref", "b"}
