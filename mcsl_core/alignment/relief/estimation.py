@@ -85,6 +85,8 @@ def estimate_relief(
     """
     size = views.sizes[views.reference]
     own = _scene(cameras, views, to_programme)
+    if len(own.cameras) < 2:
+        return None
     lifted = np.eye(4)  # programme pixel and gamma -> the pose's own, by the plane alone
     lifted[:3, :3] = to_programme[views.reference]
     known = None if before is None else tie_scene(before.scene, before.surface, own, inverse4(lifted))

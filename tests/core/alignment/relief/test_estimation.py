@@ -92,6 +92,7 @@ def test_a_camera_without_a_plane_has_no_relief_either() -> None:
     made = estimate_relief(told, found(), views(), planes, None)
     assert made is not None
     assert set(made.document().projections) == {"ref", "b"}
+    assert estimate_relief(told, found(), views(), {"ref": np.eye(3)}, None) is None, "one camera sees no relief"
 
 
 def test_without_a_surface_the_plane_stays() -> None:
