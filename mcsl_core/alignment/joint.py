@@ -17,7 +17,7 @@ from attrs import field, frozen
 from scipy.optimize import least_squares
 
 from mcsl_core.edl import Weak
-from mcsl_core.imaging.geometry import Array, transform_points
+from mcsl_core.imaging.geometry import Array, half_widths, transform_points
 
 from .correspondences import CELL_PX, Correspondences
 from .protocol import Alignment
@@ -296,7 +296,7 @@ def _refine(
     used = [(a, b, fit.kept) for (a, b), fit in fits.items() if a in homographies and b in homographies]
     if not free or not used:
         return homographies
-    own = {name: _centred(sizes[name]) for name in homographies}
+    own = {name: half_widths(sizes[name]) for name in homographies}
     scale = own[reference]
     start = {n: scale @ homographies[n] @ np.linalg.inv(own[n]) for n in homographies}
     x0 = np.concatenate([(start[n] / start[n][2, 2]).ravel()[:8] for n in free])
@@ -334,12 +334,6 @@ def _refine(
         h = np.linalg.inv(scale) @ homography(solved.x, name) @ own[name]
         refined[name] = h / h[2, 2]
     return refined
-
-
-def _centred(size: tuple[int, int]) -> Array:
-    """(3, 3): pixel of a picture -> about its middle, in half widths."""
-    width, height = size
-    return np.diag([2 / width, 2 / width, 1.0]) @ np.array([[1, 0, -width / 2], [0, 1, -height / 2], [0, 0, 1]])
 
 
 def _quality(name: str, fits: Mapping[Pair, PairFit], homographies: Mapping[str, Array]) -> tuple[float, int]:

@@ -39,14 +39,20 @@ def transform_points(homography: Homography, points: Array) -> Array:
     return moved[:, :2] / moved[:, 2:]
 
 
-def inverse(matrix: Homography) -> Homography:
-    """(3, 3): the way back, as float64."""
+def inverse(matrix: Array) -> Array:
+    """(N, N): the way back, as float64."""
     return np.asarray(np.linalg.inv(matrix), np.float64)
 
 
 def translation(dx: float, dy: float) -> Homography:
     """(3, 3): a shift by ``dx``, ``dy`` pixels."""
     return np.array([[1.0, 0, dx], [0, 1.0, dy], [0, 0, 1]])
+
+
+def half_widths(size: tuple[int, int]) -> Homography:
+    """(3, 3): pixel of a picture of ``size`` (width, height) -> about its middle, in half widths."""
+    width, height = size
+    return np.diag([2 / width, 2 / width, 1.0]) @ np.array([[1, 0, -width / 2], [0, 1, -height / 2], [0, 0, 1]])
 
 
 def scaling(from_size: tuple[int, int], to_size: tuple[int, int]) -> Homography:

@@ -19,7 +19,7 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
-from mcsl_core.imaging.geometry import Array, inverse, transform_points
+from mcsl_core.imaging.geometry import Array, half_widths, inverse, transform_points
 
 from ..correspondences import Pairs
 
@@ -144,7 +144,7 @@ def solve_cameras(
     dict of str to (3, 4) array
         Camera -> projection; [2, 2] is 1.
     """
-    norm = {name: _centred(sizes[name]) for name in tracks.cameras}
+    norm = {name: half_widths(sizes[name]) for name in tracks.cameras}
     first = norm[tracks.cameras[0]]
     planes = [norm[n] @ inverse(first @ homographies[n]) for n in tracks.cameras]
     projections = np.stack([np.column_stack([plane / plane[2, 2], np.zeros(3)]) for plane in planes])
@@ -229,7 +229,7 @@ def _located(
     tracks: Tracks, projections: Mapping[str, Array], sizes: Mapping[str, tuple[int, int]]
 ) -> tuple[Array, Array, Array]:
     """((N, 3) points, (N, K) how far off each camera sees them, inf where not, (3, 3) the reference's scale)."""
-    norm = {name: _centred(sizes[name]) for name in tracks.cameras}
+    norm = {name: half_widths(sizes[name]) for name in tracks.cameras}
     back = inverse(norm[tracks.cameras[0]])
     own = [norm[n] @ projections[n] for n in tracks.cameras]
     within = np.stack([np.column_stack([p[:, :3] @ back, p[:, 3]]) for p in own])
@@ -369,9 +369,3 @@ class _Normal:
         cameras = np.linalg.solve(reduced, right)
         moved = np.einsum("nab,nb->na", inverse, self.right_points - np.einsum("nma,m->na", self.both, cameras))
         return cameras, moved
-
-
-def _centred(size: tuple[int, int]) -> Array:
-    """(3, 3): pixel of a picture -> about its middle, in half widths."""
-    width, height = size
-    return np.diag([2 / width, 2 / width, 1.0]) @ np.array([[1, 0, -width / 2], [0, 1, -height / 2], [0, 0, 1]])

@@ -89,9 +89,9 @@ def estimate_relief(
         return None
     lifted = np.eye(4)  # programme pixel and gamma -> the pose's own, by the plane alone
     lifted[:3, :3] = to_programme[views.reference]
-    known = None if before is None else tie_scene(before.scene, before.surface, own, inverse4(lifted))
+    known = None if before is None else tie_scene(before.scene, before.surface, own, inverse(lifted))
     if before is None or known is None:
-        placed = _based(_moved(own, inverse4(lifted)))
+        placed = _based(_moved(own, inverse(lifted)))
         surface = estimator.estimate(placed)
     else:
         placed = _moved(own, known)
@@ -101,11 +101,6 @@ def estimate_relief(
     if surface is None or not placed.cameras.keys() & surface.cameras:
         return None
     return PoseRelief(placed, evolve(surface, cameras=surface.cameras & placed.cameras.keys()))
-
-
-def inverse4(matrix: Array) -> Array:
-    """(4, 4): the way back, as float64."""
-    return np.asarray(np.linalg.inv(matrix), np.float64)
 
 
 def _scene(cameras: ReliefCameras, views: Views, to_programme: Mapping[str, Array]) -> ReliefScene:
@@ -129,7 +124,7 @@ def _moved(scene: ReliefScene, to_own: Array) -> ReliefScene:
     for name, camera in scene.cameras.items():
         projection = camera.projection @ to_own
         cameras[name] = evolve(camera, projection=projection / projection[2, 2])
-    points = np.insert(scene.points, 2, 1.0, axis=1) @ inverse4(to_own).T
+    points = np.insert(scene.points, 2, 1.0, axis=1) @ inverse(to_own).T
     return ReliefScene(scene.size, cameras, points[:, [0, 1, 3]] / points[:, 2:3])
 
 

@@ -13,9 +13,9 @@ from mcsl_core.imaging.geometry import Array, scaling, size_at_columns, transfor
 
 from ..dense_matching import AlignedCamera, DenseSettings, match_densely, pixels_of
 from .cameras import project
+from .matching import WIDTH
 from .protocol import ReliefCamera, ReliefScene, ReliefSurface
 
-_WIDTH = 480
 _SETTINGS = (DenseSettings(grid_px=6, other_hue=0.0, reach=0.05), DenseSettings(grid_px=6, other_hue=0.0, reach=0.02))
 _SCALES = ((6 / 960, 1 / 960), (1 / 960,))  # widths; of each round's loss
 _LEAST = 400  # matches of all cameras
@@ -75,7 +75,7 @@ class _Grid:
 
     @classmethod
     def over(cls, before: ReliefScene, surface: ReliefSurface) -> _Grid:
-        size = size_at_columns(before.size, _WIDTH)
+        size = size_at_columns(before.size, WIDTH)
         pixels = transform_points(scaling(size, before.size), pixels_of(size))
         rows, columns = surface.gamma.shape
         node = pixels * ((columns - 1) / (before.size[0] - 1), (rows - 1) / (before.size[1] - 1))
