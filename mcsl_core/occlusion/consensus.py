@@ -79,7 +79,7 @@ class Consensus:
     def scorer(self, aligned: AlignedPose, samples: Sequence[Sequence[AlignedView]]) -> ConsensusScorer:
         """Makes a scorer from the backgrounds that ``samples`` show; see `OcclusionDetector.scorer`."""
         cut = Cut.around(aligned.field)
-        seen: dict[str, list[tuple[Picture, Picture]]] = {}  # small, and cut out
+        seen: dict[str, list[tuple[Float, Picture]]] = {}  # small, and cut out
         inside: dict[str, Mask] = {}
         for position in np.unique(np.linspace(0, len(samples) - 1, min(self.samples, len(samples))).astype(int)):
             for view in samples[position]:
