@@ -39,6 +39,30 @@ def transform_points(homography: Homography, points: Array) -> Array:
     return moved[:, :2] / moved[:, 2:]
 
 
+def project(projection: Array, scene: Array) -> Array:
+    """Where a camera sees scene points.
+
+    Parameters
+    ----------
+    projection
+        (3, 4), the camera's: (x, y, 1, gamma) -> its pixel, homogeneous.
+    scene
+        (N, 3): x and y in pixels of the perspective, and gamma, the height over its plane.
+
+    Returns
+    -------
+    Array
+        (N, 2), camera pixels; of what lies behind the camera (`depths`), mirrored.
+    """
+    moved = scene[:, :2] @ projection[:, :2].T + scene[:, 2:] * projection[:, 3] + projection[:, 2]
+    return moved[:, :2] / moved[:, 2:]
+
+
+def depths(projection: Array, scene: Array) -> Array:
+    """(N,): how far scene points lie before a camera, up to a factor; 0 and less is behind it."""
+    return scene[:, :2] @ projection[2, :2] + scene[:, 2] * projection[2, 3] + projection[2, 2]
+
+
 def inverse(matrix: Array) -> Array:
     """(N, N): the way back, as float64."""
     return np.asarray(np.linalg.inv(matrix), np.float64)

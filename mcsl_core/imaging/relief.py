@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from mcsl_core.edl import Relief
 
-from .geometry import Array, Homography, inverse, transform_points
+from .geometry import Array, Homography, depths, inverse, project, transform_points
 from .warp import WarpField
 
 # With the true relief of a simulated wound its points are off by 0.9 pixels rms of 960 without a bound, where a needle
@@ -34,6 +34,7 @@ _ROUNDS = 200  # of smoothing; 30 at most were needed
 _STEPS = 60  # back to the programme
 _EXACT = 1e-10  # pixels
 _LEAST = 0.01  # pixels: less moves nothing
+_LEAST_DEPTH = 1e-6  # of that of the picture's corner
 _FAR = 1 / 4  # of the width: what a projection moves farther than that is no place
 
 
@@ -69,22 +70,6 @@ class ReliefMap:
         return gamma, confidence
 
 
-def project(projection: Array, points: Array, gamma: Array) -> Array:
-    """Where a camera sees scene points: (N, 2) camera pixels, NaN for what lies behind it.
-
-    Parameters
-    ----------
-    projection
-        (3, 4), the camera's.
-    points
-        (N, 2) programme pixels before centering.
-    gamma
-        (N,) heights over the plane.
-    """
-    seen = points @ projection[:, :2].T + gamma[:, None] * projection[:, 3] + projection[:, 2]
-    return seen[:, :2] / np.where(seen[:, 2:] > 1e-6, seen[:, 2:], np.nan)
-
-
 def surface_field(
     relief: ReliefMap, projection: Array, matrix: Homography, correction: Homography | None = None
 ) -> WarpField | None:
@@ -114,7 +99,9 @@ def surface_field(
     correct = np.eye(3) if correction is None else correction
     before = transform_points(inverse(correct), nodes)
     gamma, confidence = relief.at(before)
-    there = transform_points(matrix, project(projection, before, gamma))
+    scene = np.column_stack([before, gamma])
+    scene[depths(projection, scene) < _LEAST_DEPTH] = np.nan
+    there = transform_points(matrix, project(projection, scene))
     known = np.isfinite(there).all(axis=1) & (np.linalg.norm(there - nodes, axis=1) < _FAR * width)
     outside = np.maximum(np.maximum(-before, before - (np.array(relief.size) - 1)), 0)
     inside = np.clip(1 - np.hypot(*outside.T) / (0.9 * margin), 0, 1)

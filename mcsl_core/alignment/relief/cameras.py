@@ -19,7 +19,7 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
-from mcsl_core.imaging.geometry import Array, half_widths, inverse, transform_points
+from mcsl_core.imaging.geometry import Array, half_widths, inverse, project, transform_points
 
 from ..correspondences import Pairs
 
@@ -68,25 +68,6 @@ class ReliefCameras:
     projections: Mapping[str, Array]
     points: Array
     residual_px: Mapping[str, float]
-
-
-def project(projection: Array, points: Array) -> Array:
-    """Where a camera sees scene points.
-
-    Parameters
-    ----------
-    projection : (3, 4) array
-        The camera's.
-    points : (N, 3) array
-        x and y in reference pixels, gamma.
-
-    Returns
-    -------
-    (N, 2) array
-        Camera pixels.
-    """
-    moved = points[:, :2] @ projection[:, :2].T + points[:, 2:] * projection[:, 3] + projection[:, 2]
-    return moved[:, :2] / moved[:, 2:]
 
 
 def tracks_of(pairs: Pairs, cameras: Sequence[str]) -> Tracks:

@@ -13,10 +13,10 @@ import numpy as np
 from attrs import evolve, frozen
 
 from mcsl_core.edl import Relief
-from mcsl_core.imaging.geometry import Array, inverse
+from mcsl_core.imaging.geometry import Array, inverse, project
 
 from ..steady import steady_view
-from .cameras import ReliefCameras, project
+from .cameras import ReliefCameras
 from .matching import Views
 from .protocol import ReliefCamera, ReliefEstimator, ReliefScene, ReliefSurface, ReliefView
 from .tying import tie_scene

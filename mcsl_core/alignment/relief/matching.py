@@ -10,14 +10,14 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
-from mcsl_core.imaging.geometry import Array, inverse, scaling, size_at_columns, transform_points
+from mcsl_core.imaging.geometry import Array, inverse, project, scaling, size_at_columns, transform_points
 from mcsl_core.imaging.masks import Mask, resize_mask
 
 from ..aligned_views import Picture
 from ..correspondences import Correspondences, Pairs
 from ..dense_matching import AlignedCamera, DenseSettings, match_densely, pixels_of
 from ..steady import SteadyView
-from .cameras import ReliefCameras, Tracks, confirmed, locate, project, solve_cameras, tracks_of
+from .cameras import ReliefCameras, Tracks, confirmed, locate, solve_cameras, tracks_of
 from .interpolation import gamma_map
 from .rig import moved_rig
 

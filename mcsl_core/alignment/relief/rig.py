@@ -11,9 +11,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from mcsl_core.imaging.geometry import Array
-
-from .cameras import project
+from mcsl_core.imaging.geometry import Array, project
 
 _FITS = 1.5 / 960  # of the width: medians of the cameras that both know. A zoom of 1 % leaves 2 px of 960
 _LEAST = 2  # cameras beside the reference

@@ -9,10 +9,9 @@ import numpy as np
 from attrs import frozen
 from scipy.optimize import least_squares
 
-from mcsl_core.imaging.geometry import Array, scaling, size_at_columns, transform_points
+from mcsl_core.imaging.geometry import Array, project, scaling, size_at_columns, transform_points
 
 from ..dense_matching import AlignedCamera, DenseSettings, match_densely, pixels_of
-from .cameras import project
 from .matching import WIDTH
 from .protocol import ReliefCamera, ReliefScene, ReliefSurface
 

@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mcsl_core.edl import Relief
-from mcsl_core.imaging.geometry import inverse, transform_points, translation
+from mcsl_core.imaging.geometry import depths, inverse, transform_points, translation
 from mcsl_core.imaging.rect import Rect
-from mcsl_core.imaging.relief import STEEPEST, Placement, ReliefMap, project, surface_field
+from mcsl_core.imaging.relief import STEEPEST, Placement, ReliefMap, surface_field
 from mcsl_core.imaging.warp import warp_field_maps
 
 SIZE = (960, 540)
@@ -117,6 +117,12 @@ def test_points_and_pictures_are_laid_alike():
 
 
 def test_what_lies_behind_a_camera_has_no_place():
-    behind = np.array([[1.0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, -1]])
-    assert np.isnan(project(behind, np.array([[5.0, 5.0]]), np.array([2.0]))).all()
+    behind = scene.PROJECTION.copy()
+    behind[2, 3] = -1.0
+    at = points(2000)
+    gamma = scene.gamma_at(*at.T, SIZE, 30.0)
+    laid = Placement(PLANE, surface_field(relief_of(), behind, PLANE))
+    off = np.linalg.norm(laid.to_camera(at) - Placement(PLANE).to_camera(at), axis=1)
+    assert (depths(behind, np.column_stack([at, gamma])) < 0).sum() > 100
+    assert off[gamma > 5].max() < 0.01
     assert np.isnan(place().to_camera(np.array([[np.nan, 3.0]]))).any()

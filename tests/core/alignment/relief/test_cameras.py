@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from mcsl_core.alignment.correspondences import Correspondences
-from mcsl_core.alignment.relief.cameras import confirmed, locate, project, solve_cameras, tracks_of
+from mcsl_core.alignment.relief.cameras import confirmed, locate, solve_cameras, tracks_of
+from mcsl_core.imaging.geometry import project
 
 SIZE = (960, 540)
 SIZES = {name: SIZE for name in ("ref", "b", "c", "d", "poor")}

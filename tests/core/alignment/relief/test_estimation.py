@@ -8,12 +8,12 @@ import cv2
 import numpy as np
 import pytest
 
-from mcsl_core.alignment.relief.cameras import ReliefCameras, project
+from mcsl_core.alignment.relief.cameras import ReliefCameras
 from mcsl_core.alignment.relief.estimation import PoseRelief, estimate_relief
 from mcsl_core.alignment.relief.matching import Views
 from mcsl_core.alignment.relief.protocol import PlaneRelief, ReliefScene, ReliefSurface
 from mcsl_core.alignment.steady import SteadyView
-from mcsl_core.imaging.geometry import transform_points
+from mcsl_core.imaging.geometry import project, transform_points
 
 SIZE = (960, 540)
 PROJECTIONS = {

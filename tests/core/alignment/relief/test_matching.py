@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from mcsl_core.alignment.dense_matching import pixels_of
-from mcsl_core.alignment.relief.cameras import project
 from mcsl_core.alignment.relief.matching import Views, field_pairs, relief_cameras
 from mcsl_core.alignment.steady import SteadyView
-from mcsl_core.imaging.geometry import transform_points
+from mcsl_core.imaging.geometry import project, transform_points
 
 SIZE = (480, 270)
 PROJECTIONS = {

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mcsl_core.alignment.relief.cameras import project
 from mcsl_core.alignment.relief.rig import moved_rig
+from mcsl_core.imaging.geometry import project
 
 SIZES = dict.fromkeys(("ref", "b", "c", "d"), (960, 540))
 K = np.array([[1200.0, 0, 480], [0, 1200.0, 270], [0, 0, 1]])

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from mcsl_core.alignment.dense_matching import pixels_of
-from mcsl_core.alignment.relief.cameras import project
 from mcsl_core.alignment.relief.protocol import ReliefCamera, ReliefScene, ReliefSurface, ReliefView
 from mcsl_core.alignment.relief.tying import tie_scene
-from mcsl_core.imaging.geometry import transform_points
+from mcsl_core.imaging.geometry import project, transform_points
 
 SIZE = (480, 270)
 RIG = {
