@@ -2,10 +2,11 @@
 
     python -m benchmarks.conform FOLDER [ROUNDS]       writes results/conform.md
 
-Five cameras, 1920x1080 at 30 frames a second, simulated; alignment from the simulation's truth. Yardstick: PyAV decodes
-and encodes one file with the conformed intermediate's encoder settings, both with as many threads as they like. Every
-run is a process of its own, timed from after its imports; rounds go through all runs, so that a load on the machine
-hits all alike, and ratios are taken within a round. Memory: the same small file again and again as a camera's files.
+Five cameras, 1920x1080 at 30 frames a second, simulated; planes and relief from the simulation's truth. Yardstick: PyAV
+decodes and encodes one file with the conformed intermediate's encoder settings, both with as many threads as they like;
+for pictures laid by the relief (`surface`) beside it the same laid by planes. Every run is a process of its own, timed
+from after its imports; rounds go through all runs, so that a load on the machine hits all alike, and ratios are taken
+within a round. Memory: the same small file again and again as a camera's files.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+import attrs
 import av
 import numpy as np
 
@@ -35,6 +37,7 @@ from mcsl_core.delivery.source import ProgrammeSource
 from mcsl_core.edl import Camera, Edl, Look, Media, Pose, Shot
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import Scenario, simulate
+from mcsl_core.simulation.relief_truth import true_relief
 from mcsl_core.simulation.truth import best_plane, load_truth
 from mcsl_core.timing import FrameRange
 
@@ -42,12 +45,15 @@ SMALL = (480, 270)
 RUN_S = 3 * CLIP_S  # of programme in each run: what is found out once a pose takes two seconds
 MINUTES = (2, 20)  # the short and the long run of which memory is compared
 WARP, ALL, MOVING = "warp alone", "fill, colour and centering", "the same, the picture gliding"
-LOOKS = {
-    WARP: Look(centering=False, fill=False, colour=False),
-    ALL: Look(centering=True, fill=True, colour=True),
-    MOVING: Look(centering=True, fill=True, colour=True),
+BY_RELIEF = ", by the relief"
+PLANES = {
+    WARP: Look(centering=False, fill=False, colour=False, surface=False),
+    ALL: Look(surface=False),
+    MOVING: Look(surface=False),
 }
+LOOKS = {name + how: attrs.evolve(look, surface=bool(how)) for name, look in PLANES.items() for how in ("", BY_RELIEF)}
 REACH = {WARP: 0.7, ALL: 0.4}
+SURFACE_REACH = 0.8  # of the plane's rate
 YARDSTICK = "transcode"
 
 
@@ -63,7 +69,7 @@ def source(folder: Path, size: tuple[int, int]) -> Path:
 def programme(clip: Path, kind: str, seconds: float) -> Edl:
     """An EDL of ``seconds`` from the second camera, turned by a fifth of a circle against the first, the reference."""
     truth = load_truth(clip)
-    frames, repeats = round(seconds * truth.rate), round(seconds / CLIP_S)
+    frames, repeats = round(seconds * truth.rate), round(seconds * truth.rate / truth.frames)
     cameras = tuple(
         Camera(name, (Media(file, truth.frames),) * repeats, truth.size, truth.rate)
         for name, file in zip(truth.cameras, truth.files, strict=True)
@@ -76,9 +82,10 @@ def programme(clip: Path, kind: str, seconds: float) -> Edl:
         colour={
             name: as_matrix(np.array([1.04, 0.97, 1.02]), np.array([-2.0, 1.0, 3.0])) for name in truth.cameras[1:]
         },
+        relief=true_relief(truth, 0),
     )
     held = (12.0, -8.0)  # whole pixels, as `FieldCenterer` holds them
-    end = (40.5, 30.25) if kind == MOVING else held
+    end = (40.5, 30.25) if kind.startswith(MOVING) else held
     return Edl(
         rate=truth.rate,
         size=truth.size,
@@ -145,6 +152,12 @@ def markdown(rounds: list[dict[str, dict[str, float]]], memory: dict[float, floa
         rates = [f"{median(v):.2f} ({v[0]:.2f} to {v[-1]:.2f})" for v in ratios.values()]
         values = (f"{median(f[unit] for f in of_kind):.0f}" for unit in ("wall_ms", "cpu_ms", "mbit_s", "mib"))
         rows.append(f"| {kind} | {' | '.join((*values, *rates))} | {REACH.get(kind, '')} |")
+    by_relief = []
+    for kind in PLANES:
+        units = ("wall_ms", "cpu_ms")
+        rates = (sorted(r[kind][unit] / r[kind + BY_RELIEF][unit] for r in rounds) for unit in units)
+        spread = (f"{median(v):.2f} ({v[0]:.2f} to {v[-1]:.2f})" for v in rates)
+        by_relief.append(f"| {kind} | {' | '.join(spread)} | {SURFACE_REACH} |")
     short, long = memory[60.0 * MINUTES[0]], memory[60.0 * MINUTES[1]]
     options = " ".join(f"{k} {v}" for k, v in STANDARD.encoding.options.items())
     return "\n".join(
@@ -161,6 +174,12 @@ def markdown(rounds: list[dict[str, dict[str, float]]], memory: dict[float, floa
             "| | wall ms a frame | CPU ms | Mbit/s | most MiB | rate by wall time | rate by CPU time | reach |",
             "|---|---|---|---|---|---|---|---|",
             *rows,
+            "",
+            "Laid by the relief, against the same laid by planes in the same round:",
+            "",
+            "| | rate by wall time | rate by CPU time | reach |",
+            "|---|---|---|---|",
+            *by_relief,
             "",
             f"Memory at {SMALL[0]}x{SMALL[1]}, all aids on: {MINUTES[0]} minutes take at most {short:.0f} MiB, "
             f"{MINUTES[1]} minutes {long:.0f} MiB: {long / short - 1:+.1%} (reach: 10 % more at most, and 2048 MiB).",

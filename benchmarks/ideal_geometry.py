@@ -275,7 +275,7 @@ class TrueGeometry:
         pinhole = self._lamp.pinhole(camera, frame)
         assert pinhole is not None
         tables, inside = self._tables((camera, pinhole.t.tobytes(), pinhole.R.tobytes()), pinhole)
-        return (cv2.remap(mask.astype(np.uint8), tables.luma, None, cv2.INTER_NEAREST) > 0) | ~inside  # pyright: ignore
+        return (cv2.remap(mask.astype(np.uint8), *tables.luma, cv2.INTER_NEAREST) > 0) | ~inside  # pyright: ignore
 
     def _tables(self, key: object, pinhole: PinholeCamera) -> tuple[RemapTables, NDArray[np.bool_]]:
         if self._kept is None or self._kept[0] != key:
@@ -285,7 +285,8 @@ class TrueGeometry:
             # A chroma sample lies half a pixel below its cell's first luma sample, in both pictures.
             between = (at[0::2, 0::2] + at[1::2, 0::2]) / 2
             chroma = (between - (0, 0.5)) / 2
-            self._kept = key, RemapTables(at.astype(np.float32), chroma.astype(np.float32)), inside
+            tables = RemapTables(*(tuple(cv2.split(table.astype(np.float32))) for table in (at, chroma)))
+            self._kept = key, tables, inside
         return self._kept[1], self._kept[2]
 
 

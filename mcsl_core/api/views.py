@@ -27,7 +27,7 @@ from mcsl_core.imaging.geometry import Array, translation
 from mcsl_core.imaging.planes import U8, Planes, planes_to_bgr
 from mcsl_core.imaging.rect import Rect
 from mcsl_core.imaging.relief import Placement
-from mcsl_core.imaging.warp import WarpField, remap_planes, warp_field_maps, warp_planes
+from mcsl_core.imaging.warp import WarpField, warp_planes, warp_planes_by_field
 from mcsl_core.lru_cache import kept
 from mcsl_core.recording.footage import Footage
 from mcsl_core.timing import FrameRange
@@ -88,7 +88,7 @@ class Views:
         if laid.field is None:
             planes = warp_planes(own, translation(*laid.offset) @ laid.matrix, whole)
         else:
-            planes = remap_planes(own, warp_field_maps(laid.matrix, laid.field, whole, laid.offset))
+            planes = warp_planes_by_field(own, laid.matrix, laid.field, whole, laid.offset)
         decision, pose_index = self.decision_at(frame)
         match = colour_at(self.edl.poses[pose_index], camera, (index(frame),)) if decision.colour else None
         return _rgb(planes if match is None else apply_colour(planes, match))

@@ -28,19 +28,19 @@ from mcsl_core.imaging.warp import (
     warp_field_footprint,
     warp_field_maps,
     warp_planes,
+    warp_planes_by_field,
 )
 from mcsl_core.lru_cache import LruCache, kept
 
 from .parallax import Parallax
 from .picture_source import PicturePlayer, PictureSource
-from .placement import has_relief, programme_matrix, surface_of
+from .placement import has_relief, programme_matrix
 
 # Of what comes again frame after frame while the programme stands still, at 1080p; more of a larger programme.
 _PICTURES_BYTES = 50_000_000  # warped medians: 16 of the whole frame
 _MAPS_BYTES = 60_000_000  # tables for remapping: 3 of the whole frame
 _MEDIANS_BYTES = 5_000_000  # medians by cell, 24 kB each
 _EDGES_BYTES = 5_000_000  # tapered warp fields, 80 kB each
-_SURFACES_BYTES = 10_000_000  # what reliefs add, 500 kB each
 _EDGE = 1 / 15  # of the programme's width: over so much the chosen camera's picture goes over into the others'
 _TO_CELL = np.array([[1 / CELL, 0, 0.5 / CELL - 0.5], [0, 1 / CELL, 0.5 / CELL - 0.5], [0, 0, 1]])
 Laid = Literal["plane", "surface", "parallax", "edge"]  # see `CameraWarper.warped`
@@ -97,7 +97,6 @@ class CameraWarper:
         self._maps: LruCache[RemapTables] = LruCache(round(larger * _MAPS_BYTES))
         self._medians: LruCache[list[U8] | None] = LruCache(round(larger * _MEDIANS_BYTES))
         self._edges: LruCache[WarpField | None] = LruCache(_EDGES_BYTES)
-        self._surfaces: LruCache[WarpField | None] = LruCache(_SURFACES_BYTES)
 
     def own_picture(self, camera: str, frame: int) -> Planes | None:
         """The camera's own picture at programme frame ``frame``, decoded once; None where it has none."""
@@ -172,21 +171,21 @@ class CameraWarper:
         warp_field = self._warp_field(pose_index, camera, laid)
         if warp_field is None:
             return warp_planes(planes, self._matrix(pose_index, camera, offset), rect, self._resampling)
-
-        def make() -> RemapTables:
-            return warp_field_maps(self._placement(pose_index, camera)[0], warp_field, rect, offset)
-
+        matrix = self._placement(pose_index, camera)[0]
+        if not again:
+            return warp_planes_by_field(planes, matrix, warp_field, rect, offset, self._resampling)
         key = pose_index, camera, laid, offset, rect
-        return remap_planes(planes, self._maps.get(key, make) if again else make(), self._resampling)
+        tables = self._maps.get(key, lambda: warp_field_maps(matrix, warp_field, rect, offset))
+        return remap_planes(planes, tables, self._resampling)
 
     def change(
-        self, pose_index: int, camera: str, offset: Offset, frame: int, median_of: tuple[int, ...]
+        self, pose_index: int, camera: str, offset: Offset, frame: int, median_of: tuple[int, ...], *, laid: Laid
     ) -> NDArray[np.float32]:
         """How much a camera's picture differs from a median; see `FillContext.change`.
 
         Parameters
         ----------
-        pose_index, camera, offset
+        pose_index, camera, offset, laid
             As of `warped`.
         frame : int
             The programme frame of the picture.
@@ -203,8 +202,15 @@ class CameraWarper:
         if now is None or before is None or not self.is_placed(pose_index, camera):
             return np.zeros(size[::-1], np.float32)
         difference = np.max([cv2.absdiff(a, b) for a, b in zip(_cell_means(now), before, strict=True)], axis=0)
-        matrix = _TO_CELL @ self._matrix(pose_index, camera, offset) @ np.linalg.inv(_TO_CELL)
-        return np.asarray(cv2.warpPerspective(difference.astype(np.float32), matrix, size), np.float32)
+        difference = difference.astype(np.float32)
+        warp_field = self._warp_field(pose_index, camera, laid)
+        if warp_field is None:
+            matrix = _TO_CELL @ self._matrix(pose_index, camera, offset) @ np.linalg.inv(_TO_CELL)
+            return np.asarray(cv2.warpPerspective(difference, matrix, size), np.float32)
+        middles = ((np.arange(n, dtype=np.float32) + 0.5) * CELL - 0.5 - by for n, by in zip(size, offset, strict=True))
+        in_cells = self._placement(pose_index, camera)[0] @ np.linalg.inv(_TO_CELL)
+        at = warp_field.source(in_cells, *(m.astype(np.float32) for m in np.meshgrid(*middles)))
+        return np.asarray(cv2.remap(difference, at, None, cv2.INTER_LINEAR), np.float32)  # pyright: ignore
 
     def footprint(self, pose_index: int, camera: str, offset: Offset, laid: Laid) -> U8:
         """Which programme pixels lie inside the picture that `warped` makes.
@@ -226,8 +232,7 @@ class CameraWarper:
         warp_field = self._warp_field(pose_index, camera, laid)
         if warp_field is None:
             return footprint(size, self._matrix(pose_index, camera, offset), self.edl.size)
-        matrix = self._placement(pose_index, camera)[0]
-        return warp_field_footprint(size, warp_field_maps(matrix, warp_field, Rect(0, 0, width, height), offset))
+        return warp_field_footprint(size, self._placement(pose_index, camera)[0], warp_field, (width, height), offset)
 
     def _level(self, camera: str, frames: tuple[int, ...]) -> Planes | None:
         """Its own picture, or the median of several, without drift: light that changes is nobody who moves."""
@@ -249,8 +254,7 @@ class CameraWarper:
         if laid == "parallax":
             return self.parallax.of(pose_index, camera)
         if laid == "surface":
-            pose = self.edl.poses[pose_index]
-            return self._surfaces.get((pose_index, camera), lambda: surface_of(self.edl, pose, camera))
+            return self.parallax.by_relief(pose_index, camera)
 
         def make() -> WarpField | None:
             warp_field, matrix = self.parallax.of(pose_index, camera), self._placement(pose_index, camera)[0]

@@ -91,7 +91,8 @@ class FrameContext:
         return self.warper.geometry, self.pose_index, self.camera, self.surface, self.steady, *self._footprint_offset()
 
     def change(self, camera: str, median_of: Sequence[int]) -> NDArray[np.float32]:
-        return self.warper.change(self.pose_index, camera, self.offset, self.frame, tuple(median_of))
+        laid = self._laid(self.pose_index, camera, False)
+        return self.warper.change(self.pose_index, camera, self.offset, self.frame, tuple(median_of), laid=laid)
 
     def footprint(self, camera: str, frame: int | None = None, *, parallax_corrected: bool = False) -> U8:
         pose_index = self.pose_index if frame is None else self.warper.pose_at(frame)

@@ -35,7 +35,7 @@ from mcsl_core.imaging.warp import WarpField
 from mcsl_core.lru_cache import LruCache
 
 from .picture_source import PictureSource
-from .placement import programme_matrix
+from .placement import programme_matrix, surface_of
 
 _WIDTH = 640  # of the programme as compared; 480 to 960 differ by 0.5 dB
 _MARGIN = 0.25  # of the programme's size, on each side: what centering may bring in
@@ -49,12 +49,16 @@ _UNLIKE = 0.67 * _CONTRAST  # mean difference after warping; pictures of one fie
 _NODE = 4  # compared pixels between nodes
 _LOCAL = 12.0  # sigma of the surroundings whose brightness and contrast are taken out, compared pixels
 _KEPT_BYTES = 5_000_000  # of warp fields, 80 kB each
+_SURFACES_BYTES = 10_000_000  # of those that reliefs make, 500 kB each
 
 Values = NDArray[np.float32]
 
 
 class Parallax:
     """Which `WarpField` takes a camera's picture into the perspective, by pose; found when first asked. Thread-safe.
+
+    By the pose's relief where it has one (`by_relief`), by the flow between the pictures where it has none (`of`).
+    Shared by compositors that work side by side or one after another: either takes up to a third of a second.
 
     Parameters
     ----------
@@ -69,6 +73,7 @@ class Parallax:
         self._scale = min(1.0, _WIDTH / edl.size[0])
         self._lock = Lock()
         self._fields: LruCache[Mapping[str, WarpField | None]] = LruCache(_KEPT_BYTES)
+        self._surfaces: LruCache[WarpField | None] = LruCache(_SURFACES_BYTES)
 
     def of(self, pose_index: int, camera: str) -> WarpField | None:
         """The warp field of a camera's picture in a pose.
@@ -87,6 +92,11 @@ class Parallax:
         """
         with self._lock:  # one pose at a time: others would wait for the same pictures
             return self._fields.get(pose_index, lambda: self._of_pose(pose_index)).get(camera)
+
+    def by_relief(self, pose_index: int, camera: str) -> WarpField | None:
+        """What the pose's relief adds to where a camera's plane lies; None where it has none or adds nothing."""
+        pose = self._edl.poses[pose_index]
+        return self._surfaces.get((pose_index, camera), lambda: surface_of(self._edl, pose, camera))
 
     def _of_pose(self, pose_index: int) -> Mapping[str, WarpField | None]:
         """Of all cameras whose position is known, in parallel: whoever asks for one asks for most."""

@@ -64,7 +64,7 @@ def surface_of(edl: Edl, pose: Pose, camera: str) -> WarpField | None:
     )
 
 
-def fully_covered(edl: Edl, pose: Pose, offsets: Sequence[tuple[float, float]]) -> bool:
+def fully_covered(edl: Edl, pose: Pose, offsets: Sequence[tuple[float, float]], *, surface: bool = False) -> bool:
     """Whether the cameras of a pose cover every programme pixel together.
 
     Parameters
@@ -75,6 +75,8 @@ def fully_covered(edl: Edl, pose: Pose, offsets: Sequence[tuple[float, float]]) 
         One of its poses.
     offsets : sequence of (float, float)
         The centering's, in programme pixels: under all of them and what lies between.
+    surface : bool
+        Whether cameras are laid by the pose's relief, where it has one.
 
     Returns
     -------
@@ -89,9 +91,18 @@ def fully_covered(edl: Edl, pose: Pose, offsets: Sequence[tuple[float, float]]) 
     to_grid = np.diag([scale, scale, 1.0]) @ translation(right, bottom)
     covered = np.zeros(size[::-1], np.uint8)
     for camera in edl.cameras:
-        if placement_matrix(edl, pose, camera.name) is not None:
-            ones = np.full((camera.size[1] // 8, camera.size[0] // 8), 255, np.uint8)
-            matrix = to_grid @ programme_matrix(edl, pose, camera.name) @ np.diag([8.0, 8.0, 1.0])
-            mask = cv2.warpPerspective(ones, matrix, size, flags=cv2.INTER_NEAREST)
-            covered |= np.asarray(cv2.erode(mask, np.ones((3, 3), np.uint8), borderType=cv2.BORDER_REPLICATE), np.uint8)
-    return bool(covered.all())
+        if placement_matrix(edl, pose, camera.name) is None:
+            continue
+        ones = np.full((camera.size[1] // 8, camera.size[0] // 8), 255, np.uint8)
+        matrix = programme_matrix(edl, pose, camera.name) @ np.diag([8.0, 8.0, 1.0])
+        warp_field = surface_of(edl, pose, camera.name) if surface else None
+        if warp_field is None:
+            mask = cv2.warpPerspective(ones, to_grid @ matrix, size, flags=cv2.INTER_NEAREST)
+        else:
+            x, y = np.meshgrid(*((np.arange(n) / scale - by for n, by in zip(size, (right, bottom), strict=True))))
+            at = warp_field.source(matrix, x.astype(np.float32), y.astype(np.float32))
+            mask = cv2.remap(ones, at, None, cv2.INTER_NEAREST)  # pyright: ignore
+        covered |= np.asarray(cv2.erode(mask, np.ones((3, 3), np.uint8), borderType=cv2.BORDER_REPLICATE), np.uint8)
+        if covered.all():
+            return True
+    return False

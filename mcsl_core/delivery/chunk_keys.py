@@ -199,8 +199,9 @@ class _Facts:
         """Where the fill may look beside the frame itself; at other poses only where this one leaves something open."""
         pose = self.edl.poses[pose_index]
         still = still_range(self.edl, pose)
-        # what covers the programme by planes may leave some of it open by the relief
-        alone = self._relief(pose_index, surface) is None and fully_covered(self.edl, pose, offsets)
+        alone = fully_covered(self.edl, pose, offsets)
+        if alone and self._relief(pose_index, surface) is not None:  # by planes first: a hundred times as fast
+            alone = fully_covered(self.edl, pose, offsets, surface=True)
         others = poses_filled_from(self.edl, pose_index, alone=alone)
         own = drifting(fill_views(self.edl, pose_index).views)  # it takes medians of any frames of the pose
         beside = (self._beside(other, surface) for other in others)

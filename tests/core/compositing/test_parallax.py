@@ -21,6 +21,7 @@ from mcsl_core.imaging.warp import (
     warp_field_footprint,
     warp_field_maps,
     warp_planes,
+    warp_planes_by_field,
 )
 from mcsl_core.media.writing import Encoding, VideoWriter
 from mcsl_core.recording.footage import Footage
@@ -57,9 +58,21 @@ def test_a_bend_that_is_a_shift_is_a_warp(rect, shift):
         assert np.abs(a.astype(int) - b).mean() < 0.25
 
 
+@pytest.mark.parametrize("rect", [Rect(0, 0, *SIZE), Rect(100, 42, 202, 66), Rect(-16, -8, 64, 302), Rect(6, 4, 8, 2)])
+@pytest.mark.parametrize("resampling", ["linear", "lanczos"])
+def test_in_bands_or_through_whole_tables_a_picture_is_the_same(rect, resampling):
+    planes, offset = bgr_to_planes(texture(1)), (3.25, -7.5)
+    waves = WarpField(4 * np.sin(np.indices((20, 30)).transpose(1, 2, 0)).astype(np.float32), (-120.0, -80.0), 24.0)
+    expected = remap_planes(planes, warp_field_maps(TILTED, waves, rect, offset), resampling)
+    found = warp_planes_by_field(planes, TILTED, waves, rect, offset, resampling)
+    for a, b in zip(found, expected, strict=True):
+        assert a.shape == b.shape
+        assert np.abs(a.astype(int) - b).max() <= 1
+        assert (a != b).mean() < 0.01
+
+
 def test_footprints_bend_along():
-    whole = Rect(0, 0, *SIZE)
-    found = warp_field_footprint(SIZE, warp_field_maps(TILTED, level(6, 4), whole))
+    found = warp_field_footprint(SIZE, TILTED, level(6, 4), SIZE)
     assert np.abs(found.astype(int) - footprint(SIZE, translation(-6, -4) @ TILTED, SIZE)).max() <= 8
 
 

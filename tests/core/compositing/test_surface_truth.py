@@ -7,13 +7,13 @@ from fractions import Fraction
 import attrs
 import numpy as np
 import pytest
-from truth_relief import relief_of
 
 import mcsl_core as mcsl
 from mcsl_core.edl import IDENTITY, Camera, Edl, Look, Media, Pose, Shot
 from mcsl_core.imaging.geometry import to_edl_matrix
 from mcsl_core.progress import Silent
 from mcsl_core.simulation.recording import simulate
+from mcsl_core.simulation.relief_truth import true_relief
 from mcsl_core.simulation.scenario import Scenario
 from mcsl_core.simulation.truth import best_plane
 from mcsl_core.timing import FrameRange
@@ -43,7 +43,7 @@ def programme_of(folder, truth, **look) -> mcsl.Programme:
         frames=truth.frames,
         reference=truth.reference,
         cameras=tuple(cameras),
-        poses=(Pose(piece, planes, relief=relief_of(truth, 0, every=2)),),
+        poses=(Pose(piece, planes, relief=true_relief(truth, 0, every=2)),),
         shots=(Shot(piece, truth.reference),),
         look=attrs.evolve(Look(centering=False, fill=False, colour=False), **look),
     )

@@ -7,15 +7,25 @@ from scipy.interpolate import griddata
 
 from mcsl_core.edl import Relief
 from mcsl_core.imaging.geometry import to_edl_projection
-from mcsl_core.simulation.truth import Truth
+
+from .truth import Truth
 
 
-def relief_of(truth: Truth, number: int, *, every: int = 1, nodes: tuple[int, int] = (96, 54)) -> Relief:
-    """Of pose ``number``, in the reference's perspective then, from every so many-th point; confident among them.
+def true_relief(truth: Truth, pose_index: int, *, every: int = 1, nodes: tuple[int, int] = (96, 54)) -> Relief:
+    """The relief of one pose.
 
-    The plane, gamma 0, is the one nearest to the points.
+    Parameters
+    ----------
+    truth
+        Of the recording.
+    pose_index
+        Which pose; in the reference's perspective then. The plane, gamma 0, is the one nearest to the points.
+    every
+        It is made from every so many-th point, and confident among them.
+    nodes
+        Of its grid, columns and rows.
     """
-    pose, reference = truth.poses[number], truth.camera_index(truth.reference)
+    pose, reference = truth.poses[pose_index], truth.camera_index(truth.reference)
     at = pose.field_points_px[reference][::every]
     world = truth.field_points_mm[::every]
     turn, shift = pose.R[reference], pose.t[reference]
