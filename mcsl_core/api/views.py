@@ -17,17 +17,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from mcsl_core.alignment.colour_match import apply_colour, colour_at
 from mcsl_core.compositing.compositor import Compositor
-from mcsl_core.compositing.placement import programme_matrix, surface_of
+from mcsl_core.compositing.placement import laid, programme_matrix, surface_of
 from mcsl_core.edl import Edl
 from mcsl_core.edl.placement import placement_matrix
 from mcsl_core.edl.resolve import Decision, resolve_by_pose, shift_at
 from mcsl_core.errors import Fault, MediaError, UsageError
 from mcsl_core.hooks.registry import filler_of
-from mcsl_core.imaging.geometry import Array, translation
+from mcsl_core.imaging.geometry import Array
 from mcsl_core.imaging.planes import U8, Planes, planes_to_bgr
-from mcsl_core.imaging.rect import Rect
 from mcsl_core.imaging.relief import Placement
-from mcsl_core.imaging.warp import WarpField, warp_planes, warp_planes_by_field
+from mcsl_core.imaging.warp import WarpField
 from mcsl_core.lru_cache import kept
 from mcsl_core.recording.footage import Footage
 from mcsl_core.timing import FrameRange
@@ -84,11 +83,7 @@ class Views:
 
     def aligned_frame(self, camera: str, frame: int) -> U8:
         """The camera's picture where the programme would show it, nothing filled."""
-        own, laid, whole = self._own(camera, frame), self.placement(camera, frame), Rect(0, 0, *self.edl.size)
-        if laid.field is None:
-            planes = warp_planes(own, translation(*laid.offset) @ laid.matrix, whole)
-        else:
-            planes = warp_planes_by_field(own, laid.matrix, laid.field, whole, laid.offset)
+        planes = laid(self._own(camera, frame), self.placement(camera, frame), self.edl.size)
         decision, pose_index = self.decision_at(frame)
         match = colour_at(self.edl.poses[pose_index], camera, (index(frame),)) if decision.colour else None
         return _rgb(planes if match is None else apply_colour(planes, match))

@@ -10,8 +10,10 @@ import numpy as np
 from mcsl_core.edl import Edl, Pose
 from mcsl_core.edl.placement import correction_of, fit_matrix, placement_matrix
 from mcsl_core.imaging.geometry import Homography, translation
-from mcsl_core.imaging.relief import ReliefMap, surface_field
-from mcsl_core.imaging.warp import WarpField
+from mcsl_core.imaging.planes import Planes
+from mcsl_core.imaging.rect import Rect
+from mcsl_core.imaging.relief import Placement, ReliefMap, surface_field
+from mcsl_core.imaging.warp import WarpField, warp_planes, warp_planes_by_field
 
 
 def programme_matrix(edl: Edl, pose: Pose, camera: str, offset: tuple[float, float] = (0.0, 0.0)) -> Homography:
@@ -62,6 +64,21 @@ def surface_of(edl: Edl, pose: Pose, camera: str) -> WarpField | None:
         programme_matrix(edl, pose, camera),
         None if correction is None else np.array(correction, np.float64),
     )
+
+
+def camera_placement(edl: Edl, pose: Pose, camera: str, *, surface: bool) -> Placement | None:
+    """Where a camera's picture lies before centering, by the pose's relief or its plane; None where it is not known."""
+    if placement_matrix(edl, pose, camera) is None:
+        return None
+    return Placement(programme_matrix(edl, pose, camera), surface_of(edl, pose, camera) if surface else None)
+
+
+def laid(planes: Planes, placement: Placement, size: tuple[int, int]) -> Planes:
+    """A camera's picture as it lies in a programme of ``size`` (width, height), nothing filled."""
+    whole = Rect(0, 0, *size)
+    if placement.field is None:
+        return warp_planes(planes, translation(*placement.offset) @ placement.matrix, whole)
+    return warp_planes_by_field(planes, placement.matrix, placement.field, whole, placement.offset)
 
 
 def fully_covered(edl: Edl, pose: Pose, offsets: Sequence[tuple[float, float]], *, surface: bool = False) -> bool:

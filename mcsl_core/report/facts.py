@@ -18,6 +18,7 @@ from mcsl_core.timing import FrameRange
 from .charts import Bar, Tick, bar, binned, bounds, coordinate, curve_path, short_time, time_ticks, x_of
 from .field_words import field_lines, scored, seen_of
 from .headline import Tile, headline
+from .relief_words import relief_words
 
 
 @frozen
@@ -84,13 +85,14 @@ class CameraFit:
 
 @frozen
 class PoseFacts:
-    """A pose: its number from 1 on, when it is, whose perspective it has, and how every camera was tied in."""
+    """A pose: its number from 1 on, when it is, whose perspective it has, how its relief and its cameras were found."""
 
     number: int
     start: str
     stop: str
     perspective: str
     solved_from: int
+    relief: str
     cameras: tuple[CameraFit, ...]
 
 
@@ -367,9 +369,8 @@ def _pose(edl: Edl, index: int, colours: Mapping[str, int], times: _Times) -> Po
         fits.append(CameraFit(name, colour, told, "-" if support is None else str(support), reasons.get(name, "")))
     before = edl.poses[index - 1] if index else None
     kept = "the first" if before is None else "kept" if before.perspective == pose.perspective else "a new one"
-    return PoseFacts(
-        index + 1, times.at(pose.range.start), times.at(pose.range.stop), kept, len(pose.solved_from), tuple(fits)
-    )
+    start, stop, solved_from = times.at(pose.range.start), times.at(pose.range.stop), len(pose.solved_from)
+    return PoseFacts(index + 1, start, stop, kept, solved_from, relief_words(edl, pose), tuple(fits))
 
 
 def _clock(edl: Edl, camera: Camera, colour: int, times: _Times) -> ClockFacts:

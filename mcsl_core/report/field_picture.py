@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsl_core.analysis.measurements import load_measurements
-from mcsl_core.compositing.placement import programme_matrix
+from mcsl_core.compositing.placement import camera_placement, laid
 from mcsl_core.edl import Edl, FieldStretch
 from mcsl_core.edl.field import MIDDLE, field_at, fields_now
-from mcsl_core.edl.placement import placement_matrix
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.errors import McslError, MediaError
 from mcsl_core.imaging.planes import planes_to_bgr
@@ -72,14 +71,14 @@ def _clear_frame(edl: Edl, base: Path) -> int:
 
 
 def laid_picture(edl: Edl, footage: Footage, frame: int) -> Picture:
-    """What the reference camera sees, laid into the programme; where it has no picture, the shown camera or another."""
+    """What the reference camera sees, laid as the look has it; where it has no picture, the shown camera or another."""
     pose = edl.pose_at(frame)
-    chosen = next(decision.camera for piece, decision in resolve(edl) if frame in piece)
-    for name in dict.fromkeys((edl.reference, chosen, *(camera.name for camera in edl.cameras))):
+    decision = next(decision for piece, decision in resolve(edl) if frame in piece)
+    for name in dict.fromkeys((edl.reference, decision.camera, *(camera.name for camera in edl.cameras))):
         planes = next(footage.planes(name, FrameRange(frame, frame + 1)))
-        if planes is not None and placement_matrix(edl, pose, name) is not None:
-            laid = cv2.warpPerspective(planes_to_bgr(planes), programme_matrix(edl, pose, name), edl.size)
-            return laid  # pyright: ignore[reportReturnType]
+        placement = camera_placement(edl, pose, name, surface=decision.surface)
+        if planes is not None and placement is not None:
+            return planes_to_bgr(laid(planes, placement, edl.size))
     raise MediaError("no camera has a picture then", where=f"frame {frame}", remedy="Choose another --range")
 
 

@@ -5,10 +5,11 @@ What is missing (media, scores) is told in its place; the page comes all the sam
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import jinja2
-from attrs import frozen
+from attrs import field, frozen
 
 from mcsl_core import __version__
 from mcsl_core.analysis.measurements import Measurements, load_measurements
@@ -26,6 +27,8 @@ from .anonymous import FILE, fileless, nameless, untold
 from .charts import Bar, short_time
 from .facts import colour_bar, gather
 from .pictures import PosePictures, pose_pictures
+from .relief_picture import ReliefPicture, relief_picture
+from .residuals import Residuals, residuals
 from .steady import SteadyFacts, steady_facts
 
 QUICK_SWITCHES = 40  # half a second of CPU each; their mean is known to a tenth then
@@ -40,6 +43,14 @@ class _PoseSection:
     bars: tuple[Bar, ...]
     words: str
     left_out: str
+
+
+@frozen
+class ReliefSection:
+    """A pose's relief, where it has one: its picture, if pictures are shown, and what it leaves, if measured."""
+
+    picture: ReliefPicture | None = None
+    left: Mapping[str, Residuals] = field(factory=dict)
 
 
 @frozen
@@ -99,6 +110,7 @@ def write_report(
     no_pictures = "The pictures were left out."
     if with_pictures:
         pictures, no_pictures = _pictures(edl, base, None if measured is None else measured.scores, progress)
+    reliefs = _reliefs(edl, base, with_pictures, progress)
     no_figures = ""
     if evaluation is None:
         evaluation, no_figures = _evaluated(edl, base, progress)
@@ -106,7 +118,7 @@ def write_report(
     name, lacking = edl_path.name, Lacking(no_scores, no_pictures, no_figures)
     if anonymous:
         edl, name, lacking = fileless(edl), FILE, Lacking(untold(no_scores), untold(no_pictures), untold(no_figures))
-    text = page(edl, name, measured, pictures, steady, lacking)
+    text = page(edl, name, measured, pictures, steady, lacking, reliefs)
     output.write(text.encode("utf-8", "backslashreplace"))  # names of files need not be text
 
 
@@ -137,6 +149,18 @@ def _pictures(
         return [None] * len(edl.poses), _noted(f"The pictures cannot be shown: {_short(error, base)}.", progress)
 
 
+def _reliefs(edl: Edl, base: Path, with_pictures: bool, progress: Progress) -> list[ReliefSection]:
+    """One a pose. The form of a patient's body is a picture of it; what the relief leaves is none."""
+    shown = [relief_picture(edl, pose) if with_pictures else None for pose in edl.poses]
+    try:
+        left = residuals(edl, base, progress)
+    except Cancelled:
+        raise
+    except McslError:  # told where pictures and steadiness are missing: these are the same media
+        left = [{} for _ in edl.poses]
+    return [ReliefSection(*each) for each in zip(shown, left, strict=True)]
+
+
 def _evaluated(edl: Edl, base: Path, progress: Progress) -> tuple[Evaluation | None, str]:
     try:
         return evaluate(edl, base, every=0, most_switches=QUICK_SWITCHES, progress=progress), ""
@@ -164,8 +188,9 @@ def page(
     pictures: list[PosePictures | None],
     steady: SteadyFacts | None,
     lacking: Lacking,
+    reliefs: Sequence[ReliefSection] = (),
 ) -> str:
-    """The page as HTML. file: the EDL's name. pictures: one entry a pose."""
+    """The page as HTML. file: the EDL's name. pictures, reliefs: one entry a pose; without reliefs none is shown."""
     facts = gather(edl, measured)
     colours = dict(facts.cameras)
     shown = []
@@ -190,6 +215,7 @@ def page(
         edl=edl,
         facts=facts,
         shown=shown,
+        reliefs=reliefs or [ReliefSection() for _ in edl.poses],
         steady=steady,
         no_scores=lacking.scores,
         no_pictures=lacking.pictures,

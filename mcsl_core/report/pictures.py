@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 
 from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.compositing.coverage import Coverage
-from mcsl_core.compositing.placement import programme_matrix
+from mcsl_core.compositing.placement import camera_placement, laid
 from mcsl_core.compositing.proxy import proxy_edl, proxy_filler, proxy_size
 from mcsl_core.edl import Edl, Pose
 from mcsl_core.edl.field import field_at
-from mcsl_core.edl.placement import placement_matrix
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.imaging.geometry import scaling
-from mcsl_core.imaging.planes import planes_to_bgr
+from mcsl_core.imaging.planes import Planes, planes_to_bgr
+from mcsl_core.imaging.relief import Placement
 from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.progress import Progress
 from mcsl_core.recording.footage import Footage
@@ -105,7 +105,7 @@ def pose_pictures(edl: Edl, base: Path, scores: ScoreTable | None, progress: Pro
         for index, pose in enumerate(small.poses):
             frame = clearest(pose, scores)
             planes = {c.name: compositor.picture(c.name, frame) for c in small.cameras}
-            pictures = {name: planes_to_bgr(own) for name, own in planes.items() if own is not None}
+            pictures = {name: own for name, own in planes.items() if own is not None}
             made.append(_of_pose(small, pose, frame, pictures, compositor, coverage) if pictures else None)
             progress.advance(index + 1)
     return made
@@ -139,63 +139,64 @@ def _of_pose(
     edl: Edl,
     pose: Pose,
     frame: int,
-    pictures: Mapping[str, Picture],
+    pictures: Mapping[str, Planes],
     compositor: Compositor,
     coverage: Coverage,
 ) -> PosePictures:
-    plain = {name: scaling((p.shape[1], p.shape[0]), edl.size) for name, p in pictures.items()}
-    tied = [name for name in pictures if placement_matrix(edl, pose, name) is not None]
-    aligned = {name: programme_matrix(edl, pose, name) for name in tied}
-    camera = next(decision.camera for piece, decision in resolve(edl) if frame in piece)
+    decision = next(decision for piece, decision in resolve(edl) if frame in piece)
+    plain = {name: Placement(scaling(own.size, edl.size)) for name, own in pictures.items()}
+    placed = {name: camera_placement(edl, pose, name, surface=decision.surface) for name in pictures}
+    aligned = {name: placement for name, placement in placed.items() if placement is not None}
     shares = {name: float(share.mean()) for name, share in coverage.shares(frame).items()}
-    order = sorted(shares, key=lambda name: (name != camera, -shares[name]))
+    order = sorted(shares, key=lambda name: (name != decision.camera, -shares[name]))
     return PosePictures(
         frame,
-        camera,
+        decision.camera,
         before=data_url(superimposed(pictures, plain, edl.size)),
         after=data_url(superimposed(pictures, aligned, edl.size)),
         programme=data_url(planes_to_bgr(next(iter(compositor.frames(FrameRange(frame, frame + 1)))))),
         field=_field(edl, frame, pictures, aligned),
-        views=len(tied),
+        views=len(aligned),
         size=edl.size,
         shares={name: shares[name] for name in order if shares[name] >= 0.005},
     )
 
 
-def _field(edl: Edl, frame: int, pictures: Mapping[str, Picture], aligned: Mapping[str, NDArray]) -> str:
+def _field(edl: Edl, frame: int, pictures: Mapping[str, Planes], aligned: Mapping[str, Placement]) -> str:
     """The field's outline on what the reference camera sees, or the first camera that has a picture."""
     stretch = field_at(edl, frame)
     name = edl.reference if edl.reference in aligned else next(iter(aligned), None)
     if stretch is None or name is None:
         return ""
-    laid = cv2.warpPerspective(pictures[name], aligned[name], edl.size, flags=cv2.INTER_LINEAR)
-    return data_url(outlined(laid, stretch))  # pyright: ignore[reportArgumentType]
+    return data_url(outlined(planes_to_bgr(laid(pictures[name], aligned[name], edl.size)), stretch))
 
 
-def superimposed(pictures: Mapping[str, Picture], matrices: Mapping[str, NDArray], size: tuple[int, int]) -> Picture:
+def superimposed(pictures: Mapping[str, Planes], placements: Mapping[str, Placement], size: tuple[int, int]) -> Picture:
     """Pictures laid over each other: the mean at each pixel, so that what agrees stays sharp.
 
     Parameters
     ----------
-    pictures : mapping of str to (h, w, 3) uint8
-        By camera, BGR.
-    matrices : mapping of str to (3, 3) float64
-        By camera: picture pixel -> programme pixel; only the cameras named here are used.
+    pictures : mapping of str to Planes
+        By camera.
+    placements : mapping of str to Placement
+        By camera: where its picture lies; only the cameras named here are used.
     size : (int, int)
         Width and height of the programme.
 
     Returns
     -------
     (H, W, 3) uint8
-        Black where no picture reaches.
+        BGR, black where no picture reaches.
     """
     total = np.zeros((size[1], size[0], 3), np.float32)
     weight = np.zeros((size[1], size[0]), np.float32)
-    for name in matrices:
-        picture = pictures[name]
-        total += cv2.warpPerspective(picture, matrices[name], size, flags=cv2.INTER_LINEAR)
-        weight += cv2.warpPerspective(np.ones(picture.shape[:2], np.float32), matrices[name], size)
-    return np.round(total / np.maximum(weight, 1)[..., None]).astype(np.uint8)
+    for name, placement in placements.items():
+        own = pictures[name]
+        white = Planes(np.full_like(own.y, 235), np.full_like(own.u, 128), np.full_like(own.v, 128))
+        inside = (laid(white, placement, size).y.astype(np.float32) - 16) / 219
+        total += planes_to_bgr(laid(own, placement, size)) * (inside > 0)[..., None]
+        weight += inside
+    return np.round(total / np.maximum(weight, 1)[..., None]).clip(0, 255).astype(np.uint8)
 
 
 def data_url(picture: Picture) -> str:

@@ -44,7 +44,7 @@ def steady_facts(evaluation: Evaluation) -> SteadyFacts:
     pairs = f"{len(evaluation.switches)} of {conditions.switches}" if conditions.switches else "no"
     sampled = f"; within shots one pair of frames in {conditions.every}" if conditions.every > 1 else ""
     return SteadyFacts(
-        tuple(SteadyRow(row.label, _cells(row.switches)) for row in evaluation.measured),
+        tuple(SteadyRow(row.label, _cells(row.switches)) for row in evaluation.measured if evaluation.switches),
         tuple(SteadyRow(row.label, _cells(row.whole)) for row in evaluation.measured if row.whole is not None),
         _steady_words({row.name: row for row in evaluation.measured}, width),
         (
