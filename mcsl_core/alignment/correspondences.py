@@ -92,3 +92,11 @@ def pool(matches: Sequence[tuple[Array, Array, Array]], cell_px: float = CELL_PX
         mean(weight),
         count.astype(np.int64),
     )
+
+
+def off_epipolar(fundamental: Array, pair: Correspondences) -> Array:
+    """(N,): how many pixels matches are off their epipolar lines (Sampson), by a's points to b's lines."""
+    a, b = (np.insert(points, 2, 1.0, axis=1) for points in (pair.a, pair.b))
+    in_b, in_a = a @ fundamental.T, b @ fundamental
+    slope = np.square(in_b[:, :2]).sum(axis=1) + np.square(in_a[:, :2]).sum(axis=1)
+    return np.abs((in_b * b).sum(axis=1)) / np.sqrt(np.maximum(slope, 1e-30))

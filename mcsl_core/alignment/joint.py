@@ -19,10 +19,13 @@ from scipy.optimize import least_squares
 from mcsl_core.edl import Weak
 from mcsl_core.imaging.geometry import Array, half_widths, transform_points
 
-from .correspondences import CELL_PX, Correspondences
+from .correspondences import CELL_PX, Correspondences, off_epipolar
 from .protocol import Alignment
 
 Pair = tuple[str, str]
+# Matches nearly all of which obey one epipolar geometry, most of them near a plane, are a relief's. Its steep sides lie
+# farther off than wrong matches may; without them a limb's planes were 1.32 to 1.35 times the best, with them 1.15.
+_PURE, _MOST_NEAR = 0.95, 0.6
 
 
 @frozen
@@ -176,14 +179,18 @@ def fit_pair(
     if near.sum() < settings.min_support:
         return None
     kept = pair.where(near)
-    _, info = poselib.estimate_fundamental(
-        kept.a, kept.b, {"max_epipolar_error": settings.epipolar * diagonal, "seed": 0, "max_iterations": 20000}
+    bound = settings.epipolar * diagonal
+    fundamental, info = poselib.estimate_fundamental(
+        kept.a, kept.b, {"max_epipolar_error": bound, "seed": 0, "max_iterations": 20000}
     )
     kept = kept.where(np.asarray(info["inliers"], bool))
     support = min(_cells(kept.a), _cells(kept.b))
     spread = min(_hull_area(kept.a) / (size_a[0] * size_a[1]), _hull_area(kept.b) / (size_b[0] * size_b[1]))
     if support < settings.min_support or spread < settings.min_spread:
         return None
+    obeys = off_epipolar(np.asarray(fundamental), pair) < bound
+    if obeys.mean() > _PURE and near.mean() > _MOST_NEAR:
+        kept = pair.where(obeys)
     refined = fit_homography(kept, np.asarray(homography, np.float64))
     return None if refined is None else PairFit(refined, kept, support, spread)
 

@@ -31,6 +31,7 @@ BANDS_HZ = ((150, 700), (700, 1800), (1800, 3600))
 COARSE_SPAN_S = 1200.0  # the coarse lag is searched in so much first, then in all
 COARSE_WINDOW_S = 40.0
 FINE_WINDOW_S = 8.0
+LEAST_WINDOW_S = 3.0
 CLEAR_PEAK = 7.0  # in standard deviations: the highest of a million random values is 5
 LEAST_LEAD = 1.25  # the best lag's support over that of the next-best
 
@@ -72,7 +73,7 @@ class _AudioMatcher:
     def __init__(self, footage: Footage) -> None:
         self._footage = footage
         self._loudness: dict[tuple[str, float], Array] = {}
-        self._windows: dict[tuple[str, float], NDArray[np.float32]] = {}
+        self._windows: dict[tuple[str, float, float], NDArray[np.float32]] = {}
 
     def loudness(self, camera: str, limit_s: float) -> Array:
         """(3, n): `band_loudness` of the first ``limit_s`` seconds."""
@@ -106,10 +107,13 @@ class _AudioMatcher:
         overlap_start = max(0.0, clock.offset_s)
         overlap_stop = min(length_s(self._footage, reference), clock.offset_s + length_s(self._footage, camera))
         span = overlap_stop - overlap_start
-        if span < 3 * FINE_WINDOW_S:
+        # Of long recordings so much at least, of short ones half: two of 24 s begin some tenths apart.
+        shorter = min(length_s(self._footage, reference), length_s(self._footage, camera))
+        if span < min(3 * FINE_WINDOW_S, max(3 * LEAST_WINDOW_S, shorter / 2)):
             raise Refusal(f"they have only {max(0.0, span):.0f} s of sound in common")
+        window_s = min(FINE_WINDOW_S, int(10 * span / 3) / 10)  # whole samples
         count = int(np.clip(span / FINE_WINDOW_S / 1.5, 3, 20))
-        starts = np.linspace(overlap_start, overlap_stop - FINE_WINDOW_S, count)
+        starts = np.linspace(overlap_start, overlap_stop - window_s, count)
         middle = (overlap_start + min(overlap_stop, overlap_start + COARSE_SPAN_S)) / 2
         share = 0.0
         for reach_s in (0.1, 0.05, 0.02):
@@ -120,12 +124,13 @@ class _AudioMatcher:
             heard = 0
             # From where the coarse lag was found outward: each window is searched about the lags found before it.
             for start in sorted(starts, key=lambda s: abs(s - middle)):
-                expected = _expected_lag(found, start) if reach_s == 0.1 else 0.0
-                lag = self._window_lag(both, reference, camera, float(start), expected, reach_s)
+                expected = _expected_lag(found, start + window_s / 2) if reach_s == 0.1 else 0.0
+                within = (float(start), float(start) + window_s)
+                lag = self._window_lag(both, reference, camera, within, expected, reach_s)
                 if lag is not None:
                     heard += 1
                     if not np.isnan(lag):
-                        found.append((float(start) + FINE_WINDOW_S / 2, lag))
+                        found.append((float(start) + window_s / 2, lag))
             if heard == 0:
                 raise Refusal("they are silent where they overlap")
             level, slope, share = robust_line(found, heard, 2e-3)
@@ -136,24 +141,24 @@ class _AudioMatcher:
         return clock, share
 
     def _window_lag(
-        self, both: Footage, reference: str, camera: str, start: float, expected: float, reach_s: float
+        self, both: Footage, reference: str, camera: str, within: tuple[float, float], expected: float, reach_s: float
     ) -> float | None:
-        """Seconds by which ``camera`` is late at programme time ``start``; NaN if unclear, None without sound."""
-        a = self._windows.get((reference, start))
+        """Seconds by which ``camera`` is late in a window of programme time; NaN if unclear, None without sound."""
+        start, stop = within
+        a = self._windows.get((reference, start, stop))
         if a is None:
-            a = self._windows[reference, start] = both.audio(reference, start, start + FINE_WINDOW_S, RATE)
-        b = both.audio(camera, start + expected, start + expected + FINE_WINDOW_S, RATE)
+            a = self._windows[reference, start, stop] = both.audio(reference, start, stop, RATE)
+        b = both.audio(camera, start + expected, stop + expected, RATE)
         if min(a.std(), b.std()) < 1e-5:
             return None
         lag, height = gcc_phat_lag(a, b, reach_s)
         return expected + lag if height >= CLEAR_PEAK else float("nan")
 
 
-def _expected_lag(found: Sequence[tuple[float, float]], start: float) -> float:
-    """The lag to expect in the window at ``start``: the median of the three nearest found so far."""
+def _expected_lag(found: Sequence[tuple[float, float]], at: float) -> float:
+    """The lag to expect in the window about ``at``: the median of the three nearest found so far."""
     if not found:
         return 0.0
-    at = start + FINE_WINDOW_S / 2
     nearest = sorted(found, key=lambda f: abs(f[0] - at))[:3]
     return float(np.median([lag for _, lag in nearest]))
 

@@ -143,7 +143,9 @@ def solve_cameras(
     return full
 
 
-def locate(tracks: Tracks, projections: Mapping[str, Array], sizes: Mapping[str, tuple[int, int]]) -> ReliefCameras:
+def locate(
+    tracks: Tracks, projections: Mapping[str, Array], sizes: Mapping[str, tuple[int, int]], least: int = 2
+) -> ReliefCameras:
     """Where the points lie that cameras of known projections see.
 
     Parameters
@@ -154,16 +156,18 @@ def locate(tracks: Tracks, projections: Mapping[str, Array], sizes: Mapping[str,
         As `solve_cameras` finds them.
     sizes : mapping of str to (int, int)
         Every camera's full width and height.
+    least : int, optional
+        How many cameras must agree on a point.
 
     Returns
     -------
     ReliefCameras
-        With the points that two cameras at least agree on.
+        With the points that so many cameras at least agree on.
     """
     if not len(tracks.seen):
         return ReliefCameras(dict(projections), np.zeros((0, 3)), dict.fromkeys(tracks.cameras, 0.0))
     points, off, norm = _located(tracks, projections, sizes)
-    agree = (off < _AGREES).sum(axis=1) >= 2
+    agree = (off < _AGREES).sum(axis=1) >= least
     known = agree[:, None] & np.isfinite(off)
     median = [float(np.median(off[known[:, k], k])) if known[:, k].any() else 0.0 for k in range(off.shape[1])]
     return ReliefCameras(

@@ -12,7 +12,7 @@ _CELL_PX = 3  # points of one cell count as their median
 _REACHES = (1.5, 3.0, 6.0, 12.0, 24.0, 48.0)  # cells: the nearest points say what they can, farther ones the rest
 
 
-def gamma_map(points: Array, size: tuple[int, int]) -> NDArray[np.float32]:
+def gamma_map(points: Array, size: tuple[int, int], far: float | None = None) -> NDArray[np.float32]:
     """Gamma at every pixel, smoothly from the points about it.
 
     Parameters
@@ -21,11 +21,13 @@ def gamma_map(points: Array, size: tuple[int, int]) -> NDArray[np.float32]:
         x and y in pixels of the map, and gamma; one at least.
     size : (int, int)
         Width and height of the map.
+    far : float, optional
+        What holds far from all points; their median without.
 
     Returns
     -------
     (H, W) float32 array
-        Near points their own, far from all of them their median.
+        Near points their own.
 
     References
     ----------
@@ -35,7 +37,7 @@ def gamma_map(points: Array, size: tuple[int, int]) -> NDArray[np.float32]:
     cell = np.floor((points[:, :2] + 0.5) / _CELL_PX).astype(int)
     inside = ((cell >= 0) & (cell < (columns, rows))).all(axis=1)
     cell, gamma = cell[inside], points[inside, 2]
-    middle = float(np.median(points[:, 2]))
+    middle = float(np.median(points[:, 2])) if far is None else far
     order = np.lexsort((gamma, cell[:, 1] * columns + cell[:, 0]))
     at, gamma = (cell[:, 1] * columns + cell[:, 0])[order], gamma[order]
     cells, start, count = np.unique(at, return_index=True, return_counts=True)

@@ -18,12 +18,14 @@ from ..correspondences import Correspondences, Pairs
 from ..dense_matching import AlignedCamera, DenseSettings, match_densely, pixels_of
 from ..steady import SteadyView
 from .cameras import ReliefCameras, Tracks, confirmed, locate, solve_cameras, tracks_of
+from .field_surface import field_gamma, height_of_gamma
 from .interpolation import gamma_map
 from .rig import moved_rig
 
 WIDTH = 480  # columns of the views that are matched: more found no more, and took its time
 _BY_PLANE = DenseSettings(grid_px=6, other_hue=0.0, reach=0.05)  # a relief may lead so far ...
 _BY_RELIEF = DenseSettings(grid_px=6, other_hue=0.0, reach=0.02)  # ... and what is left of it so far
+_CLOSELY = attrs.evolve(_BY_RELIEF, grid_px=4)  # over the field alone
 _LEAST = 150  # matches of a camera: with fewer it spoils itself and the others
 # Of 20 points and more that others agree on, cameras that were tied saw 0.83 and more where those said (0.97 as a
 # rule); where a head before the reference had tied them by chance there were no such points, or 0.57 to 0.67.
@@ -120,9 +122,12 @@ def _by_rig(cameras: ReliefCameras, steady: Pairs, rig: Mapping[str, Array], vie
 
 def _laid_by(cameras: ReliefCameras, views: Views) -> dict[str, Array]:
     """Camera -> (H * W, 2): where it sees what the relief has at every pixel of the reduced reference picture."""
+    return _laid_on(gamma_map(_in_views(cameras.points, views), views.size), cameras, views)
+
+
+def _laid_on(gamma: NDArray[np.float32], cameras: ReliefCameras, views: Views) -> dict[str, Array]:
+    """The same of any surface over the reduced reference picture."""
     to_views = scaling(views.sizes[views.reference], views.size)
-    own = np.column_stack([transform_points(to_views, cameras.points[:, :2]), cameras.points[:, 2]])
-    gamma = gamma_map(own, views.size)
     scene = np.column_stack(
         [transform_points(inverse(to_views), pixels_of(views.size)), gamma.ravel().astype(np.float64)]
     )
@@ -242,9 +247,8 @@ def field_pairs(cameras: ReliefCameras, field: Mask, views: Views) -> Pairs:
     true field given, planes were 1.00 to 1.06 times the best one's error, by the matches themselves 1.05 to 1.2.
     """
     to_views = scaling(views.sizes[views.reference], views.size)
-    known = np.column_stack([transform_points(to_views, cameras.points[:, :2]), cameras.points[:, 2]])
-    gamma = gamma_map(known, views.size)
     mask = resize_mask(field, views.size)
+    gamma = _field_surface(cameras, mask, views)
     every = max(1, int(np.sqrt(mask.sum() / _FIELD_POINTS)))
     inside, around = np.zeros_like(mask), np.zeros_like(mask)
     inside[::every, ::every], around[::_AROUND_PX, ::_AROUND_PX] = True, True
@@ -258,3 +262,43 @@ def field_pairs(cameras: ReliefCameras, field: Mask, views: Views) -> Pairs:
         if name != views.reference:
             pairs[views.reference, name] = Correspondences(points, project(projection, scene), weight, seen)
     return pairs
+
+
+def _field_surface(cameras: ReliefCameras, mask: Mask, views: Views) -> NDArray[np.float32]:
+    """Gamma at every pixel of the reduced reference picture, for the field: found, and matched once more laid by it."""
+    to_views = scaling(views.sizes[views.reference], views.size)
+    rows, columns = np.nonzero(mask)
+    middle = transform_points(inverse(to_views), np.array([[columns.mean(), rows.mean()]]))[0]
+    height = height_of_gamma(cameras.projections, middle) * 960 / views.sizes[views.reference][0]
+    gamma = field_gamma(_in_views(cameras.points, views), mask, height)
+    again = _in_views(_seen_again(cameras, gamma, mask, views), views)
+    return field_gamma(again, mask, height) if len(again) >= _LEAST else gamma
+
+
+def _seen_again(cameras: ReliefCameras, gamma: NDArray[np.float32], mask: Mask, views: Views) -> Array:
+    """(N, 3) points of the field as the cameras have them, laid by a surface.
+
+    Where a place is in the shadow of arms it is not steady, and yet what it shows most of the time is the field: that
+    is believed where three cameras agree.
+    """
+    width, height = views.size
+    area = cv2.dilate(mask.astype(np.uint8), np.ones((9, 9), np.uint8)) > 0
+    laid = {n: at.reshape(height, width, 2).astype(np.float32) for n, at in _laid_on(gamma, cameras, views).items()}
+    found = []
+    for least, only_steady in ((2, True), (3, False)):
+        shown = {
+            name: AlignedCamera([view.picture], at, views.sizes[name], [view.steady] if only_steady else None)
+            for name, at in laid.items()
+            if (view := views.steady[name]) is not None
+        }
+        pairs = match_densely(shown, area, _CLOSELY, {views.reference})
+        found.append(
+            locate(tracks_of(pairs, list(cameras.projections)), cameras.projections, views.sizes, least).points
+        )
+    return np.concatenate(found)
+
+
+def _in_views(points: Array, views: Views) -> Array:
+    """Points of the full-size reference picture in pixels of the reduced one, gamma as it is."""
+    to_views = scaling(views.sizes[views.reference], views.size)
+    return np.column_stack([transform_points(to_views, points[:, :2]), points[:, 2]])

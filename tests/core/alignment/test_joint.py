@@ -83,6 +83,18 @@ def test_error_over_relief_is_near_the_best_planes(seed: int, false: float) -> N
         assert result.support[name] > 100
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+def test_the_steep_sides_of_a_limb_are_no_wrong_matches(seed: int) -> None:
+    """They lie up to twice as far off the plane as a match may that nothing speaks for, but on their epipolar lines."""
+    rig = Rig(seed)
+    rig.world[:, 2] = 0.03 - 0.06 * (rig.world[:, 1] / 0.12) ** 2
+    own, reference = rig.project(2, rig.world), rig.project(0, rig.world)
+    pair = Correspondences(reference, own, np.ones(len(own)), np.ones(len(own), np.int64))
+    result = align({("cam1", "cam3"): pair}, dict.fromkeys(("cam1", "cam3"), SIZE), "cam1")
+    moved = transform_points(result.homographies["cam3"], own)
+    assert np.sqrt(np.mean(((moved - reference) ** 2).sum(axis=1))) <= 1.02 * best_plane_rms(own, reference)
+
+
 def test_a_camera_without_matches_is_weak_and_says_why() -> None:
     rig = Rig(4)
     pairs = rig.pairs(false=0.3)

@@ -112,6 +112,22 @@ def test_what_repeats_is_refused_whatever_its_period(period_s):
         coarse_lag(loudness(beeps[: 50 * 16000], 1), loudness(beeps[5 * 16000 : 55 * 16000], 2))
 
 
+@pytest.mark.parametrize(("seconds", "offset_s", "seed"), [(24, 0.29, 3), (24, -0.31, 4), (18, 1.7, 5), (12, -2.4, 6)])
+def test_short_recordings_are_synchronised_although_they_share_less_than_three_long_windows(
+    tmp_path, seconds, offset_s, seed
+):
+    source = room(seconds + 12, seed=seed)
+    cameras = [
+        record(tmp_path, "ref", heard(source, (5, 0), seconds, 1)),
+        record(tmp_path, "late", heard(source, (5 + offset_s, 20), seconds, 2)),
+        record(tmp_path, "stranger", heard(room(seconds + 12, seed=seed + 50), (5, 0), seconds, 3)),
+    ]
+    _, late, stranger = synchronise("audio", cameras, tmp_path)
+    assert late.method == "audio"
+    assert late.offset_s == pytest.approx(offset_s, abs=0.005)
+    assert stranger.method == "none"
+
+
 def test_too_little_in_common_is_refused(tmp_path):
     """Fifteen seconds that both heard: enough to find the place, too little to trust it."""
     source = room(110)

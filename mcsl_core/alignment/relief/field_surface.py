@@ -1,0 +1,119 @@
+"""The field's own surface, for the plane that serves it best: near its points theirs, elsewhere a smooth bend's.
+
+A limb falls away where no match reaches, under a head's edge or an arm's shadow: carried on level, its sides were 20 px
+off and the planes twice the best one's error. Heights are parallax in pixels of 960, of the camera that gamma moves
+most, towards the cameras.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcsl_core.imaging.geometry import Array, project
+from mcsl_core.imaging.masks import Mask
+
+from .interpolation import gamma_map
+
+# What fields do over their own radius, standard deviations of tilt and bend, against points that say as much as
+# _INDEPENDENT of a noise of _NOISE: without that, what lies beyond the points is anything.
+_TILT, _BEND, _NOISE, _INDEPENDENT = 60.0, 25.0, 3.0, 30
+_POWERS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+_LOWER = 0.25  # of the points below the bend that it starts from: hands stand above the field
+_OFF = 10.0  # how far off the bend a point still counts, nearly
+_ABOVE = 15.0  # what stands so high above it is a hand
+_LEAST = 20  # points, with fewer the field's surface is that of its surroundings
+
+
+def height_of_gamma(projections: Mapping[str, Array], at: Array) -> float:
+    """How high gamma 1 stands above gamma 0 at a reference pixel.
+
+    Parameters
+    ----------
+    projections : mapping of str to (3, 4) array
+        The reference's first.
+    at : (2,) array
+        Full-size reference pixel.
+
+    Returns
+    -------
+    float
+        In shares of the reference's full-size pixels; negative where gamma falls towards the cameras.
+
+    Notes
+    -----
+    The images alone do not tell which way is up. But a lamp's cameras lean towards each other: each has the reference
+    in front of it, and there gamma is infinite. So depth grows with gamma if gamma rises towards the cameras.
+    """
+    _, *others = projections.values()
+    ends = np.array([[*at, 0.0], [*at, 1e-3]])
+    moved = max(float(np.hypot(*np.diff(project(p, ends), axis=0)[0])) for p in others) / 1e-3
+    leaning = sum(float(p[2, 3] / np.linalg.norm(p[:2, 3])) for p in others)
+    return moved if leaning > 0 else -moved
+
+
+def field_gamma(points: Array, field: Mask, height: float) -> NDArray[np.float32]:
+    """Gamma all over a picture, for its field.
+
+    Parameters
+    ----------
+    points : (N, 3) array
+        x and y in pixels of the picture, and gamma; one at least.
+    field : (H, W) bool array
+        Where the field lies.
+    height : float
+        Pixels of 960 that gamma 1 stands above gamma 0; see `height_of_gamma`.
+
+    Returns
+    -------
+    (H, W) float32 array
+        Without enough points in the field that of all points.
+    """
+    size = (field.shape[1], field.shape[0])
+    own = points[_inside(points, field)]
+    if len(own) < _LEAST:
+        return gamma_map(points, size)
+    rows, columns = np.nonzero(field)
+    middle, radius = np.array([columns.mean(), rows.mean()]), float(np.sqrt(field.sum() / np.pi))
+    bend = _bend((own[:, :2] - middle) / radius, own[:, 2] * height)
+    x, y = np.meshgrid(np.arange(size[0]), np.arange(size[1]))
+    base = _terms((np.stack([x, y], axis=-1) - middle) / radius) @ bend
+    left = own[:, 2] * height - _terms((own[:, :2] - middle) / radius) @ bend
+    low = left < _ABOVE
+    around = gamma_map(np.column_stack([own[low, :2], left[low]]), size, far=0.0) if low.any() else 0.0
+    return ((base + around) / height).astype(np.float32)
+
+
+def _inside(points: Array, mask: Mask) -> NDArray[np.bool_]:
+    at = np.round(points[:, :2]).astype(int)
+    within = ((at >= 0) & (at < (mask.shape[1], mask.shape[0]))).all(axis=1)
+    at[~within] = 0
+    return within & mask[at[:, 1], at[:, 0]]
+
+
+def _terms(places: Array) -> Array:
+    """(..., 6)"""
+    return np.stack([places[..., 0] ** i * places[..., 1] ** j for i, j in _POWERS], axis=-1)
+
+
+def _bend(places: Array, heights: Array) -> Array:
+    """(6,): of the terms, by most of the points; places in radii of the field."""
+    terms = _terms(places)
+    held = np.diag([{0: 1e-6, 1: _TILT**-2, 2: _BEND**-2}[i + j] for i, j in _POWERS])
+    share = min(1.0, _INDEPENDENT / len(heights)) / _NOISE**2
+    weight, bend = np.ones(len(heights)), np.zeros(len(_POWERS))
+
+    def solved() -> Array:
+        weighed = terms.T * (share * weight)
+        return np.linalg.solve(weighed @ terms + held, weighed @ heights)
+
+    for _ in range(30):  # the lower quantile
+        bend = solved()
+        off = heights - terms @ bend
+        weight = np.where(off > 0, _LOWER, 1 - _LOWER) * _NOISE / np.maximum(np.abs(off), 2.0)
+    for narrower in (4, 3, 2, 1.5, 1, 1, 1, 1):  # Geman and McClure's loss
+        weight = 1 / (1 + ((heights - terms @ bend) / (narrower * _OFF)) ** 2) ** 2
+        bend = solved()
+    return bend
