@@ -64,10 +64,29 @@ class ReliefMap:
 
     def at(self, points: Array) -> tuple[Array, Array]:
         """Gamma and confidence at (N, 2) programme pixels, linear between nodes; outside as at the picture's edge."""
-        rows, columns = self.gamma.shape
-        scale = np.array([columns - 1, rows - 1]) / np.maximum(np.array(self.size) - 1, 1)
-        gamma, confidence = _sampled(np.stack([self.gamma, self.confidence], axis=-1), points * scale).T
+        gamma, confidence = between_nodes(np.stack([self.gamma, self.confidence], axis=-1), self.size, points).T
         return gamma, confidence
+
+
+def between_nodes(values: NDArray, size: tuple[int, int], points: Array) -> Array:
+    """Values at nodes, between them: linear, constant beyond.
+
+    Parameters
+    ----------
+    values
+        (rows, columns, C); the nodes reach from the first to the last pixel centre.
+    size
+        Width and height of the picture that they lie over.
+    points
+        (N, 2) of its pixels.
+
+    Returns
+    -------
+    Array
+        (N, C).
+    """
+    rows, columns, _ = values.shape
+    return _sampled(values, points * np.array([columns - 1, rows - 1]) / np.maximum(np.array(size) - 1, 1))
 
 
 def surface_field(
@@ -174,7 +193,7 @@ class Placement:
         return _sampled(self.field.shift, (points - np.array(self.field.corner)) / self.field.step)
 
 
-def _sampled(values: NDArray[np.float32], at: Array) -> Array:
+def _sampled(values: NDArray, at: Array) -> Array:
     """(N, C) of (rows, columns, C) values at (N, 2) places in nodes, linear between them, constant beyond.
 
     Exactly: `cv2.remap` knows places to a 32nd of a node, which is a tenth of a pixel where the relief is steep.

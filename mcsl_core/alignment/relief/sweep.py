@@ -10,7 +10,9 @@ from attrs import evolve, field, frozen
 from numpy.typing import NDArray
 
 from mcsl_core.imaging.geometry import size_at_columns
+from mcsl_core.imaging.relief import between_nodes
 
+from ..dense_matching import pixels_of
 from .cost_volume import Field, SweptCamera, Volume, swept
 from .protocol import ReliefScene, ReliefSurface
 from .semi_global import aggregated
@@ -181,11 +183,7 @@ def _at_nodes(gamma: Field, worth: Field, shape: tuple[int, ...]) -> tuple[Nodes
 
 def _spread(nodes: Nodes, size: tuple[int, int]) -> Field:
     """Nodes from the first to the last pixel centre, at every pixel of a picture of that size."""
-    rows, columns = nodes.shape
-    x, y = np.meshgrid(np.linspace(0, columns - 1, size[0]), np.linspace(0, rows - 1, size[1]))
-    return cv2.remap(  # pyright: ignore[reportReturnType]
-        nodes.astype(np.float32), x.astype(np.float32), y.astype(np.float32), cv2.INTER_LINEAR
-    )
+    return between_nodes(nodes[..., None], size, pixels_of(size)).reshape(size[::-1]).astype(np.float32)
 
 
 def _confidence(worth: Nodes) -> Nodes:

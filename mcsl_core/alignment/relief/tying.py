@@ -10,6 +10,7 @@ from attrs import frozen
 from scipy.optimize import least_squares
 
 from mcsl_core.imaging.geometry import Array, project, scaling, size_at_columns, transform_points
+from mcsl_core.imaging.relief import between_nodes
 
 from ..dense_matching import AlignedCamera, DenseSettings, match_densely, pixels_of
 from .matching import WIDTH
@@ -76,12 +77,8 @@ class _Grid:
     def over(cls, before: ReliefScene, surface: ReliefSurface) -> _Grid:
         size = size_at_columns(before.size, WIDTH)
         pixels = transform_points(scaling(size, before.size), pixels_of(size))
-        rows, columns = surface.gamma.shape
-        node = pixels * ((columns - 1) / (before.size[0] - 1), (rows - 1) / (before.size[1] - 1))
-        x, y = node.astype(np.float32).T.reshape(2, size[1], size[0])
-        nodes = surface.gamma.astype(np.float32)
-        gamma = cv2.remap(nodes, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-        return cls(size, before.size, np.column_stack([pixels, gamma.ravel().astype(np.float64)]))
+        gamma = between_nodes(surface.gamma[..., None], before.size, pixels)
+        return cls(size, before.size, np.hstack([pixels, gamma]))
 
     def matched(
         self, then: ReliefCamera, now: ReliefCamera, laid: Array, settings: DenseSettings
