@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from mcsl_core.alignment.dense_matching import pixels_of
 from mcsl_core.edl import IDENTITY, Pose, Relief
-from mcsl_core.imaging.geometry import inverse, to_edl_matrix, to_edl_projection
+from mcsl_core.imaging.geometry import inverse, project, to_edl_matrix, to_edl_projection, transform_points
 from mcsl_core.timing import FrameRange
 
 PROJECTION = np.array([[1.03, 0.04, -4.0, 0.9], [-0.03, 0.98, 5.0, 0.35], [2e-5, -4e-5, 1.0, 2e-4]])
@@ -28,20 +31,23 @@ def grid(size: tuple[int, int], *, height: float = 6.0, nodes: tuple[int, int] =
 
 def seen(points: NDArray, size: tuple[int, int], height: float = 6.0) -> NDArray:
     """(N, 2): where the tilted camera sees (N, 2) programme pixels."""
-    gamma = gamma_at(points[:, 0], points[:, 1], size, height)
-    there = np.column_stack([points, np.ones(len(points)), gamma]) @ PROJECTION.T
-    return there[:, :2] / there[:, 2:]
+    return project(PROJECTION, np.column_stack([points, gamma_at(points[:, 0], points[:, 1], size, height)]))
+
+
+def shown_at(projection: NDArray, gamma_of: Callable[[NDArray], NDArray], size: tuple[int, int]) -> NDArray:
+    """(H, W, 2) float32: the scene point, as the reference's pixel, that each pixel of a camera shows; by iteration."""
+    back, pixels = inverse(projection[:, :3]), pixels_of(size)
+    laid = at = transform_points(back, pixels)
+    for _ in range(30):
+        there = project(projection, np.column_stack([at, gamma_of(at)]))
+        at = at + laid - transform_points(back, there)
+    return at.reshape(size[1], size[0], 2).astype(np.float32)
 
 
 def picture_of(texture: NDArray, height: float = 6.0) -> NDArray:
     """What the tilted camera takes of a scene that the reference sees as ``texture`` (H, W, 3)."""
     size = texture.shape[1], texture.shape[0]
-    x, y = np.meshgrid(np.arange(size[0], dtype=float), np.arange(size[1], dtype=float))
-    pixels = np.column_stack([x.ravel(), y.ravel()])
-    found = pixels.copy()
-    for _ in range(60):
-        found += 0.7 * (pixels - seen(found, size, height))
-    where = found.reshape(size[1], size[0], 2).astype(np.float32)
+    where = shown_at(PROJECTION, lambda at: gamma_at(at[:, 0], at[:, 1], size, height), size)
     return cv2.remap(texture, where, None, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT)  # pyright: ignore
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import cv2
 import numpy as np
 from attrs import frozen
+from relief_scene import shown_at
 
 from mcsl_core.alignment.relief.protocol import ReliefCamera, ReliefScene, ReliefView
-from mcsl_core.imaging.geometry import transform_points
 
 SIZE = (640, 360)
 # camera -> (turn in degrees, what a gamma of 1 moves: x, y, and a share of the depth)
@@ -40,17 +40,10 @@ class Relief:
         return ReliefScene(SIZE, cameras, np.stack([x, y, self.gamma[y, x]], axis=1).astype(float))
 
     def seen(self, plane: np.ndarray, parallax: np.ndarray) -> np.ndarray:
-        """The camera's picture: where each of its pixels lies in the perspective is found by iteration."""
-        pixels = np.stack(np.meshgrid(np.arange(SIZE[0]), np.arange(SIZE[1])), -1).reshape(-1, 2).astype(float)
-        back = np.linalg.inv(plane)
-        at = transform_points(back, pixels)
-        for _ in range(25):
-            gamma = sampled(self.gamma.astype(np.float32), at)
-            moved = np.c_[at, np.ones(len(at))] @ plane.T
-            by_plane = moved[:, :2] / moved[:, 2:]
-            moved += gamma[:, None] * parallax
-            at = transform_points(back, pixels - (moved[:, :2] / moved[:, 2:] - by_plane))
-        return sampled(self.texture, at).reshape(SIZE[1], SIZE[0], 3)
+        """The camera's picture."""
+        heights = self.gamma.astype(np.float32)
+        at = shown_at(np.column_stack([plane, parallax]), lambda points: sampled(heights, points), SIZE)
+        return sampled(self.texture, at.reshape(-1, 2)).reshape(SIZE[1], SIZE[0], 3)
 
 
 def plane_of(turn: float) -> np.ndarray:

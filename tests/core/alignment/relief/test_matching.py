@@ -2,46 +2,20 @@
 
 from __future__ import annotations
 
-import cv2
 import numpy as np
 import pytest
+from cloth_scene import RIG, SIZE, cloth, hill, taken
 
-from mcsl_core.alignment.dense_matching import pixels_of
 from mcsl_core.alignment.relief.matching import Views, field_pairs, relief_cameras
 from mcsl_core.alignment.steady import SteadyView
-from mcsl_core.imaging.geometry import project, transform_points
-
-SIZE = (480, 270)
-PROJECTIONS = {
-    "ref": np.eye(3, 4),
-    "b": np.array([[0.31, -0.95, 290.0, 0.9], [0.95, 0.31, -175.0, 0.4], [2e-5, 4e-5, 1.0, 1e-4]]),
-    "c": np.array([[-0.81, -0.59, 515.0, -0.5], [0.59, -0.81, 100.0, 0.8], [-4e-5, 2e-5, 1.0, 2e-4]]),
-}
-
-
-def hill(points: np.ndarray) -> np.ndarray:
-    return 7 * np.exp(-(((points - (240, 135)) / (70, 50)) ** 2).sum(axis=1)) - 1
+from mcsl_core.imaging.geometry import project
 
 
 @pytest.fixture(scope="module")
 def pictures() -> dict[str, np.ndarray]:
     """What the cameras see of a cloth over the hill."""
-    rng = np.random.default_rng(7)
-    size = (SIZE[0] + 400, SIZE[1] + 400)
-    grey = sum(
-        cv2.resize(rng.normal(0, 1, (size[1] // k + 2, size[0] // k + 2)).astype(np.float32), size) * k**0.5
-        for k in (3, 6, 15)
-    )
-    cloth = cv2.cvtColor(cv2.normalize(grey, None, 30, 220, cv2.NORM_MINMAX).astype(np.uint8), cv2.COLOR_GRAY2BGR)
-    seen = {}
-    for name, own in PROJECTIONS.items():
-        back, target = np.linalg.inv(own[:, :3]), pixels_of(SIZE)
-        at = transform_points(back, target)
-        for _ in range(30):  # the scene point that the pixel shows
-            at += transform_points(back, target) - transform_points(back, project(own, np.column_stack([at, hill(at)])))
-        x, y = (at + 200).astype(np.float32).T.reshape(2, SIZE[1], SIZE[0])
-        seen[name] = cv2.remap(cloth, x, y, cv2.INTER_CUBIC)
-    return seen
+    over = cloth()
+    return {name: taken(own, over) for name, own in RIG.items()}
 
 
 def views(pictures: dict[str, np.ndarray]) -> Views:
@@ -51,7 +25,7 @@ def views(pictures: dict[str, np.ndarray]) -> Views:
 
 def planes(wrong: float = 3.0) -> dict[str, np.ndarray]:
     shift = np.array([[1, 0, wrong], [0, 1, -wrong], [0, 0, 1.0]])
-    return {n: np.eye(3) if n == "ref" else shift @ np.linalg.inv(p[:, :3]) for n, p in PROJECTIONS.items()}
+    return {n: np.eye(3) if n == "ref" else shift @ np.linalg.inv(p[:, :3]) for n, p in RIG.items()}
 
 
 def test_projections_and_gamma_are_found_by_pictures_alone(pictures) -> None:
@@ -61,7 +35,7 @@ def test_projections_and_gamma_are_found_by_pictures_alone(pictures) -> None:
     assert len(cameras.points) > 1000
     scene = cameras.points[:, :2]
     for name in ("b", "c"):
-        there = project(PROJECTIONS[name], np.column_stack([scene, hill(scene)]))
+        there = project(RIG[name], np.column_stack([scene, hill(scene)]))
         off = np.hypot(*(project(cameras.projections[name], cameras.points) - there).T)
         assert np.median(off) < 0.15, name
         assert np.percentile(off, 95) < 0.6, name
@@ -72,7 +46,7 @@ def test_projections_and_gamma_are_found_by_pictures_alone(pictures) -> None:
         inside = matches.weight == 1
         assert a == "ref"
         assert inside.sum() > 500
-        there = project(PROJECTIONS[name], np.column_stack([matches.a, hill(matches.a)]))[inside]
+        there = project(RIG[name], np.column_stack([matches.a, hill(matches.a)]))[inside]
         assert np.median(np.hypot(*(matches.b[inside] - there).T)) < 0.2
         assert matches.weight[~inside].sum() < 0.01 * inside.sum()
 
@@ -106,5 +80,5 @@ def test_where_hands_work_all_over_the_middle_single_samples_speak(pictures) -> 
     assert found is not None
     middle = found.points[np.hypot(*(found.points[:, :2] - (240, 135)).T) < 60]
     assert len(middle) > 100
-    there = project(PROJECTIONS["c"], np.column_stack([middle[:, :2], hill(middle[:, :2])]))
+    there = project(RIG["c"], np.column_stack([middle[:, :2], hill(middle[:, :2])]))
     assert np.median(np.hypot(*(project(found.projections["c"], middle) - there).T)) < 0.2

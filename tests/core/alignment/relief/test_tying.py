@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
+import cloth_scene
 import cv2
 import numpy as np
 import pytest
+from cloth_scene import RIG, SIZE, hill, taken
 
-from mcsl_core.alignment.dense_matching import pixels_of
 from mcsl_core.alignment.relief.protocol import ReliefCamera, ReliefScene, ReliefSurface, ReliefView
 from mcsl_core.alignment.relief.tying import tie_scene
-from mcsl_core.imaging.geometry import project, transform_points
+from mcsl_core.imaging.geometry import project
 
-SIZE = (480, 270)
-RIG = {
-    "ref": np.eye(3, 4),
-    "b": np.array([[0.31, -0.95, 290.0, 0.9], [0.95, 0.31, -175.0, 0.4], [2e-5, 4e-5, 1.0, 1e-4]]),
-    "c": np.array([[-0.81, -0.59, 515.0, -0.5], [0.59, -0.81, 100.0, 0.8], [-4e-5, 2e-5, 1.0, 2e-4]]),
-}
 # Programme pixel and gamma -> own: the lamp turned by 20 degrees, tilted, came nearer; gamma on another scale.
 MOVED = np.eye(4)
 MOVED[:2, :3] = cv2.getRotationMatrix2D((240, 135), 20, 1.04)
@@ -26,30 +21,9 @@ MOVED[:2, 3] = 0.5, -0.7
 MOVED[3] = 2e-3, -1e-3, 0.2, -1.7
 
 
-def hill(points: np.ndarray) -> np.ndarray:
-    return 7 * np.exp(-(((points - (240, 135)) / (70, 50)) ** 2).sum(axis=1)) - 1
-
-
-def picture(projection: np.ndarray, cloth: np.ndarray) -> np.ndarray:
-    """What a camera sees of a cloth over the hill."""
-    back, target = np.linalg.inv(projection[:, :3]), pixels_of(SIZE)
-    at = transform_points(back, target)
-    for _ in range(30):
-        seen = project(projection, np.column_stack([at, hill(at)]))
-        at += transform_points(back, target) - transform_points(back, seen)
-    x, y = (at + 200).astype(np.float32).T.reshape(2, SIZE[1], SIZE[0])
-    return cv2.remap(cloth, x, y, cv2.INTER_CUBIC)
-
-
 @pytest.fixture(scope="module")
 def cloth() -> np.ndarray:
-    rng = np.random.default_rng(7)
-    size = (SIZE[0] + 400, SIZE[1] + 400)
-    grey = sum(
-        cv2.resize(rng.normal(0, 1, (size[1] // k + 2, size[0] // k + 2)).astype(np.float32), size) * k**0.5
-        for k in (3, 6, 15)
-    )
-    return cv2.cvtColor(cv2.normalize(grey, None, 30, 220, cv2.NORM_MINMAX).astype(np.uint8), cv2.COLOR_GRAY2BGR)
+    return cloth_scene.cloth()
 
 
 def scene(to_own: np.ndarray, cloth: np.ndarray) -> ReliefScene:
@@ -57,7 +31,7 @@ def scene(to_own: np.ndarray, cloth: np.ndarray) -> ReliefScene:
     shift = np.array([[1, 0, 3.0], [0, 1, -2.0], [0, 0, 1]])
     cameras = {}
     for name, own in RIG.items():
-        view = ReliefView(picture(own @ to_own, cloth), np.ones(SIZE[::-1], bool))
+        view = ReliefView(taken(own @ to_own, cloth), np.ones(SIZE[::-1], bool))
         cameras[name] = ReliefCamera(SIZE, own, shift @ own[:, :3] @ to_own[:3, :3], (view,))
     return ReliefScene(SIZE, cameras)
 
