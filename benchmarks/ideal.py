@@ -38,6 +38,7 @@ from benchmarks.ideal_geometry import (
     drilled,
     in_movements,
     jumps,
+    spread,
     switches,
 )
 from benchmarks.ideal_hands import Hands, Mask
@@ -61,7 +62,7 @@ from mcsl_core.simulation.scenario import DRAPES, GLOVES, SKINS
 from mcsl_core.timing import FrameRange
 
 RESULTS = Path(__file__).parent / "results"
-TUNING, FINAL = tuple(range(501, 507)), tuple(range(701, 711))
+TUNING, FINAL = (*range(501, 507), 702, 703, 705, 706), (701, 704, *range(707, 713))
 AIDS = ("surface", "see_through")
 """Looks that lay pictures otherwise than planes do, each a variant with those before it, where the programme has it."""
 
@@ -153,17 +154,17 @@ def of_geometry(made: edl.Edl, truth: Truth) -> dict[str, Any]:
     ways = {name: displacements(v.edl, truth, surface=v.surface) for name, v in own.items() if name in ("plane", *AIDS)}
     ways["best plane"] = best_planes(made, truth)
     views = [
-        {"pose": pose, "camera": camera, **{name: _spread(way[pose, camera]) for name, way in ways.items()}}
+        {"pose": pose, "camera": camera, **{name: spread(way[pose, camera]) for name, way in ways.items()}}
         for pose, camera in ways["plane"]
     ]
-    pooled = {name: _spread(np.concatenate(list(way.values()))) for name, way in ways.items() if way}
+    pooled = {name: spread(np.concatenate(list(way.values()))) for name, way in ways.items() if way}
     drill = drilled(made, truth)
     leaps = {
         v.name: [jump for cut in switches(drill, truth) if (jump := jumps(v.edl, truth, cut, surface=v.surface))]
         for v in variants(drill, truth)
     }
     moving = {name: in_movements(v.edl, truth, surface=v.surface) for name, v in own.items()}
-    moved = {name: _spread(values) for name, values in moving.items() if len(values)}
+    moved = {name: spread(values) for name, values in moving.items() if len(values)}
     weak = sum(len(pose.weak) for pose in made.poses)
     perspectives = len({pose.perspective for pose in made.poses})
     return {
@@ -174,12 +175,6 @@ def of_geometry(made: edl.Edl, truth: Truth) -> dict[str, Any]:
         "weak": weak,
         "perspectives": perspectives,
     }
-
-
-def _spread(values: NDArray[np.float64]) -> list[float]:
-    """Median, rms and 95th percentile."""
-    found = np.median(values), np.sqrt((values**2).mean()), np.percentile(values, 95)
-    return [round(float(v), 3) for v in found]
 
 
 def of_pictures(made: edl.Edl, truth: Truth, source: Path, base: Path) -> dict[str, Any]:
@@ -299,7 +294,7 @@ def main(arguments: Sequence[str]) -> None:
 
 def is_tuning(figures: Mapping[str, Any]) -> bool:
     """Whether a recording's seed is one to tune on."""
-    return int(figures["name"].rpartition(":")[2]) < 600
+    return int(figures["name"].rpartition(":")[2]) in TUNING
 
 
 if __name__ == "__main__":

@@ -98,7 +98,7 @@ def displacements(programme: edl.Edl, truth: Truth, *, surface: bool) -> dict[tu
     pose, which is the identity, and cameras that the pose has no place for.
     """
     found = {}
-    for index, camera, seen, home in _views(programme, truth):
+    for index, camera, seen, home in views(programme, truth):
         at = to_programme(programme, index, camera, surface=surface)(seen)
         found[index, camera] = _length(at - home, SHIFT_WIDTH / programme.size[0])
     return found
@@ -109,12 +109,12 @@ def best_planes(programme: edl.Edl, truth: Truth) -> dict[tuple[int, str], NDArr
     scale = SHIFT_WIDTH / programme.size[0]
     return {
         (index, camera): _length(transfer(fit_homography(seen, home), seen) - home, scale)
-        for index, camera, seen, home in _views(programme, truth)
+        for index, camera, seen, home in views(programme, truth)
     }
 
 
-def _views(programme: edl.Edl, truth: Truth) -> Iterator[tuple[int, str, Points, Points]]:
-    """(pose, camera, the field's points in its picture, their place in the programme)."""
+def views(programme: edl.Edl, truth: Truth) -> Iterator[tuple[int, str, Points, Points]]:
+    """(pose, camera, the field's points in its picture, their place in the programme before centering)."""
     reference = truth.camera_index(truth.reference)
     for index, pose in enumerate(programme.poses):
         first = first_of_perspective(programme, index)
@@ -123,6 +123,12 @@ def _views(programme: edl.Edl, truth: Truth) -> Iterator[tuple[int, str, Points,
             itself = (index, camera) == (first, truth.reference)
             if not itself and placement_matrix(programme, pose, camera) is not None:
                 yield index, camera, true_pose(truth, pose).field_points_px[number], home
+
+
+def spread(values: NDArray[np.float64]) -> list[float]:
+    """Median, rms and 95th percentile."""
+    found = np.median(values), np.sqrt((values**2).mean()), np.percentile(values, 95)
+    return [round(float(v), 3) for v in found]
 
 
 def _length(shift: Points, scale: float) -> NDArray[np.float64]:
@@ -285,9 +291,14 @@ class TrueGeometry:
             # A chroma sample lies half a pixel below its cell's first luma sample, in both pictures.
             between = (at[0::2, 0::2] + at[1::2, 0::2]) / 2
             chroma = (between - (0, 0.5)) / 2
-            tables = RemapTables(*(tuple(cv2.split(table.astype(np.float32))) for table in (at, chroma)))
+            tables = RemapTables(_table(at), _table(chroma))
             self._kept = key, tables, inside
         return self._kept[1], self._kept[2]
+
+
+def _table(at: Points) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    x, y = np.ascontiguousarray(at.transpose(2, 0, 1), np.float32)
+    return x, y
 
 
 @lru_cache(maxsize=2)
