@@ -18,28 +18,12 @@ from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView, Picture
 from mcsl_core.imaging.exposure import Exposure, changed, levelled, small
 from mcsl_core.imaging.masks import Mask
 
+from .appearances import Appearance, appearances_of
 from .palette import ForeignBackground, SeenView, foreign_background
 
 Lab = NDArray[np.uint8]
 Float = NDArray[np.float32]
 _UNCHANGED = 0.02  # gains nearer to 1 are left: what they would mend is below `tolerance`
-APPEARANCES = 3  # of a pixel in one view that are told apart: the field, and what hides it for long
-
-
-@frozen(eq=False)
-class Appearance:
-    """One of the ways in which the pixels of a view are seen.
-
-    Attributes
-    ----------
-    lab : (h, w, 3) uint8 array
-        The colour of every pixel of the cut-out.
-    share : (h, w) float array
-        The share of the time that the pixel is seen so, 0..1.
-    """
-
-    lab: Lab
-    share: Float
 
 
 @frozen
@@ -61,11 +45,16 @@ class Consensus:
         Pixels of the cut-out: relief shifts what views show by up to 4 aligned pixels.
     different : int
         From this difference to its background on, of 255 levels, something is in the way of a pixel.
+    rounds : int
+        How often the background is chosen anew by what is known of the field's colours from the one before.
 
     Notes
     -----
     The appearances of a pixel are found as in background subtraction with several modes, only by counting how often
-    each is seen; among them the one that the camera and the others see most is the background.
+    each is seen; among them the one that the camera and the others see most is the background. Where hands work most
+    of the time that is a hand. So it is chosen again, with every appearance counting as many times more as its colour
+    is likelier the field's than of what comes and goes: mean absolute error of the scores, 12 recordings of the
+    families, 0.089 without that and 0.072 after two rounds.
     """
 
     samples: int = field(default=60)
@@ -74,6 +63,7 @@ class Consensus:
     foreign: int = field(default=14)
     reach: int = field(default=2)
     different: int = field(default=13)
+    rounds: int = field(default=2)
     name = "consensus"
 
     def scorer(self, aligned: AlignedPose, samples: Sequence[Sequence[AlignedView]]) -> ConsensusScorer:
@@ -85,50 +75,45 @@ class Consensus:
             for view in samples[position]:
                 seen.setdefault(view.camera, []).append((small(view.aligned), cut.picture(view.aligned)))
                 inside[view.camera] = view.inside
-        exposure, appearances, pictures = {}, {}, {}
+        exposure, pictures = {}, {}
         for name, own in seen.items():
             level = exposure[name] = Exposure.of([whole for whole, _ in own], inside[name])
             even = [_lab(levelled(part, changed(level.gain(whole), _UNCHANGED))) for whole, part in own]
             pictures[name] = np.stack(even)
-            appearances[name] = self._appearances(pictures[name])
         inside = {name: cut.mask(mask) for name, mask in inside.items()}
+        field = cut.mask(aligned.field)
+        appearances = {n: appearances_of(p, self.candidates, self.tolerance) for n, p in pictures.items()}
         gains = self._gains(appearances, inside) if appearances else {}
         background = self._agreed(appearances, inside, gains)
-        views = {
+        alike = {n: [_recoloured(picture, gains[n]) for picture in own] for n, own in pictures.items()}
+        foreign = foreign_background(self._views(background, pictures, alike, gains, inside), field)
+        for _ in range(self.rounds):
+            likely = {n: np.stack([foreign.likely(picture) for picture in own]) for n, own in alike.items()}
+            appearances = {
+                n: appearances_of(p, self.candidates, self.tolerance, likely[n]) for n, p in pictures.items()
+            }
+            background = self._agreed(appearances, inside, gains)
+            foreign = foreign_background(self._views(background, pictures, alike, gains, inside), field)
+        return ConsensusScorer(aligned.field, cut, background, exposure, self.different, gains, foreign)
+
+    def _views(
+        self,
+        background: Mapping[str, Lab],
+        pictures: Mapping[str, Lab],
+        alike: Mapping[str, Sequence[Lab]],
+        gains: Mapping[str, Float],
+        inside: Mapping[str, Mask],
+    ) -> dict[str, SeenView]:
+        """What every camera shows beside its background; ``alike``: its pictures in colours like the others'."""
+        return {
             name: SeenView(
                 _recoloured(behind, gains[name]),
-                [_recoloured(picture, gains[name]) for picture in pictures[name]],
+                alike[name],
                 [_solid(_differs(picture, behind, self.different)) > 0 for picture in pictures[name]],
                 inside[name],
             )
             for name, behind in background.items()
         }
-        foreign = foreign_background(views, cut.mask(aligned.field))
-        return ConsensusScorer(aligned.field, cut, background, exposure, self.different, gains, foreign)
-
-    def _appearances(self, pictures: Lab) -> list[Appearance]:
-        """The commonest appearances of every pixel over (T, h, w, 3)."""
-        count, height, width = pictures.shape[:3]
-        planes = np.ascontiguousarray(pictures.transpose(3, 0, 1, 2))
-        tried = np.unique(np.linspace(0, count - 1, min(self.candidates, count)).astype(int))
-        share = np.stack([self._near(planes, planes[:, k]).mean(axis=0, dtype=np.float32) for k in tried])
-        share = np.stack([cv2.blur(one, (3, 3)) for one in share])  # what hides a pixel hides its neighbours too
-        rows, columns = np.ogrid[:height, :width]
-        found = []
-        for _ in range(APPEARANCES):
-            best = share.argmax(axis=0)
-            colour = pictures[tried[best], rows, columns]
-            near = self._near(planes, np.ascontiguousarray(colour.transpose(2, 0, 1)))
-            total = np.stack([np.einsum("thw,thw->hw", plane, near, dtype=np.float32) for plane in planes], axis=2)
-            mean = total / np.maximum(near.sum(axis=0), 1)[..., None]
-            found.append(Appearance(np.rint(mean).astype(np.uint8), share[best, rows, columns]))
-            # The next appearance must be another one, not this one with some noise.
-            share = np.where(_apart(planes[:, tried], colour.transpose(2, 0, 1)) <= 2 * self.tolerance, 0, share)
-        return found
-
-    def _near(self, planes: Lab, colour: Lab) -> NDArray[np.bool_]:
-        """(T, h, w): whether (3, T, h, w) and (3, h, w) count as the same appearance."""
-        return _apart(planes, colour) <= self.tolerance
 
     def _agreed(
         self,
@@ -359,13 +344,6 @@ def _recoloured(lab: Lab, gain: Float) -> Lab:
     """``lab`` with its blue, green and red times ``gain``."""
     bgr = cv2.cvtColor(lab, cv2.COLOR_LAB2BGR) * gain
     return cv2.cvtColor(cv2.convertScaleAbs(bgr), cv2.COLOR_BGR2LAB)  # pyright: ignore[reportReturnType]
-
-
-def _apart(planes: Lab, colour: Lab) -> NDArray[np.uint8]:
-    """(T, h, w): the largest difference of the three channels between (3, T, h, w) and (3, h, w)."""
-    return np.maximum.reduce(
-        [np.maximum(plane, own) - np.minimum(plane, own) for plane, own in zip(planes, colour, strict=True)]
-    )
 
 
 def _within(lab: Lab, low: Lab, high: Lab) -> Mask:

@@ -22,6 +22,7 @@ _SHAPE = (16, 32, 32)  # bins of L, a and b, smoothed by one: shading moves ligh
 _FOREIGN = 0.6  # odds from which a background is foreign; with 0.4 a third of a real limb was
 _HIDES = 0.4  # odds from which what is seen before a foreign background hides the field
 _MOST = 0.5  # of the field: where more seems foreign its colours tell nothing, as of bare hands
+_LIKELIER = 10.0  # more is not believed; with 5 hands that work at one place were still chosen as the field
 _PASSES = 2  # what was found foreign is no part of the field's colours, and is of what comes and goes
 
 
@@ -61,6 +62,11 @@ class ForeignBackground:
 
     odds: Float
     places: Mapping[str, Mask]
+
+    def likely(self, lab: Lab) -> Float:
+        """(h, w): how many times likelier a colour is the field's than of what comes and goes, a tenth to ten times."""
+        times = (1 - self.odds) / (self.odds + 1e-3)
+        return cv2.blur(np.clip(times, 1 / _LIKELIER, _LIKELIER)[_bins(lab)], (3, 3))  # pyright: ignore[reportReturnType]
 
     def hidden(self, camera: str, now: Lab, changed: Mask) -> Mask:
         """Where a picture does not show the field: where it has changed, and by its colours before what is foreign."""
