@@ -42,7 +42,7 @@ class Relief:
         ),
     )
     confidence: tuple[tuple[int, ...], ...] = field(
-        validator=PERCENT, metadata=doc("0 to 100 at each node; at 0 the camera's plane holds")
+        validator=PERCENT, metadata=doc("0 to 100 at each node; at 0 the camera's plane holds, from 50 on the relief")
     )
 
     def __attrs_post_init__(self) -> None:

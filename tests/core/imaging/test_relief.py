@@ -55,6 +55,15 @@ def test_where_the_relief_is_not_known_it_is_the_plane_exactly_and_between_it_go
     assert surface_field(relief_of(0), scene.PROJECTION, PLANE) is None
 
 
+def test_from_half_of_full_confidence_on_the_relief_holds_and_below_it_is_the_plane_by_degrees():
+    at = points()
+    for confidence, share in ((100, 1.0), (75, 1.0), (50, 1.0), (25, 0.5), (10, 0.2)):
+        field = surface_field(relief_of(confidence, 15.0), scene.PROJECTION, PLANE)
+        moved = Placement(PLANE, field).to_camera(at) - Placement(PLANE).to_camera(at)
+        full = scene.seen(at, SIZE, 15.0) - Placement(PLANE).to_camera(at)
+        assert np.abs(moved - share * full).max() < 0.7, confidence
+
+
 def test_the_reference_in_its_own_perspective_is_not_moved():
     assert surface_field(relief_of(), scene.IN_PLACE, np.eye(3)) is None
 
