@@ -1,7 +1,9 @@
 """Closer looks where occlusion changes fast: a head that comes and goes between two samples is seen in time.
 
 Samples lie about a second apart. Where between two of them another camera has become the better one by far, all cameras
-are decoded and scored five times a second. The cost grows with how often that happens, not with the recording.
+are decoded and scored five times a second. Right before a movement of the lamp and after it is looked in any case where
+no sample lies near: the next one may be a movement away. The cost grows with how often that happens, not with the
+recording.
 """
 
 from __future__ import annotations
@@ -62,7 +64,7 @@ def look_closer(
     segments : sequence of ScoringSegment
         What scores them.
     movements : sequence of Movement
-        In them there is no data, and no closer look.
+        In them there is no data, and no closer look; right before and after them a look.
     progress : Progress
         Told of every frame that is scored.
     settings : CloseLookSettings, optional
@@ -75,21 +77,61 @@ def look_closer(
         frame and no longer of the keyframe nearest to it.
     """
     step = max(1, round(settings.step_s * float(footage.rate)))
+    alone = [FrameRange(n, n + 1) for n in unseen_edges(table, movements, footage.frames, step)]
+    looks = [look for one in alone for look in _within(one, step, segments, movements)]
+    progress.stage("Looking before and after movements", len(looks), "frames")
+    table = _with_rows(table, _looked(table.cameras, footage, looks, progress))
     stretches = fast_changes(table, step, settings.change)
     looks = [look for stretch in stretches for look in _within(stretch, step, segments, movements)]
     progress.stage("Looking closer where much changes", sum(len(frames) for _, frames in looks), "frames")
+    return _with_rows(table, _looked(table.cameras, footage, looks, progress))
+
+
+def unseen_edges(table: ScoreTable, movements: Sequence[Movement], frames: int, step: int) -> list[int]:
+    """Where the lamp stands before and after its movements and no sample tells what is seen.
+
+    Parameters
+    ----------
+    table : ScoreTable
+        Of the samples.
+    movements : sequence of Movement
+        In order.
+    frames : int
+        Length of the programme.
+    step : int
+        So many frames off a movement the lamp surely stands; a sample within as many of there is near enough.
+
+    Returns
+    -------
+    list of int
+        Programme frames, rising. What the last one before a movement shows stands for the movement's first half: a head
+        that came after the sample before it hides the field for as long.
+    """
+    known = table.frames[~np.isnan(table.visible).all(axis=1)]
+    edges = {n for m in movements for n in (m.range.start - step, m.range.stop - 1 + step)}
+    possible = (n for n in edges if 0 <= n < frames and not any(n in m.range for m in movements))
+    return sorted(n for n in possible if not len(known) or np.abs(known - n).min() > step)
+
+
+def _looked(
+    cameras: Sequence[str],
+    footage: Footage,
+    looks: Sequence[tuple[ScoringSegment, list[int]]],
+    progress: Progress,
+) -> dict[int, tuple[NDArray, NDArray]]:
+    """Frame -> (visible, usable) of all cameras at the frames that are looked at."""
     rows: dict[int, tuple[NDArray, NDArray]] = {}
     for segment, frames in looks:
-        pictures = [footage.pictures(camera, frames, height=SAMPLE_HEIGHT) for camera in table.cameras]
+        pictures = [footage.pictures(camera, frames, height=SAMPLE_HEIGHT) for camera in cameras]
         for together in zip(*pictures, strict=True):
-            shown = {camera: picture for camera, (_, picture) in zip(table.cameras, together, strict=True)}
+            shown = {camera: picture for camera, (_, picture) in zip(cameras, together, strict=True)}
             views = segment.samples.aligned.views(shown)
             scores = segment.score(views)
             there = {view.camera for view in views}
-            usable = np.array([camera in there for camera in table.cameras])
-            rows[together[0][0]] = np.array([scores.get(camera, np.nan) for camera in table.cameras]), usable
+            usable = np.array([camera in there for camera in cameras])
+            rows[together[0][0]] = np.array([scores.get(camera, np.nan) for camera in cameras]), usable
             progress.advance(len(rows))
-    return _with_rows(table, rows)
+    return rows
 
 
 def fast_changes(table: ScoreTable, step: int, change: float) -> list[FrameRange]:

@@ -20,7 +20,7 @@ from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.occlusion.scoring import ScoringSegment, SegmentSamples
 from mcsl_core.progress import Silent
 from mcsl_core.recording.footage import Footage
-from mcsl_core.selection.close_looks import fast_changes, look_closer
+from mcsl_core.selection.close_looks import fast_changes, look_closer, unseen_edges
 from mcsl_core.selection.selectors import ShortestPath
 from mcsl_core.timing import FrameRange
 
@@ -80,7 +80,34 @@ def test_what_a_keyframe_stood_for_is_replaced_by_the_frame_itself(footage: Foot
 def test_nothing_is_looked_at_in_a_movement_or_outside_of_every_segment(footage: Footage) -> None:
     moving = [Movement(FrameRange(61, 66), 1.0)]
     found = look_closer(sampled(), footage, [segment(0, 85)], moving, Silent())
-    assert sorted(set(found.frames) - set(range(0, FRAMES, 10))) == [66, 68, 82, 84]
+    assert sorted(set(found.frames) - set(range(0, FRAMES, 10))) == [66, 67, 82, 84]
+
+
+def test_right_before_and_after_a_movement_is_looked_though_no_sample_lies_there(footage: Footage) -> None:
+    table, moving = sampled(20), [Movement(FrameRange(70, 85), 1.0)]  # cam1 is dark from 63 to 86
+    table.visible[4] = np.nan  # of frame 80
+    found = look_closer(table, footage, [segment()], moving, Silent())
+    near = {int(n): found.visible[i].round(1).tolist() for i, n in enumerate(found.frames) if 60 <= n < 90}
+    assert {68: [0.1, 0.5], 86: [0.1, 0.5]}.items() <= near.items()
+    assert {62, 64, 66} <= near.keys()  # where cam2 became the better one before the lamp moved
+    shots = ShortestPath().select(found, frames=FRAMES, rate=Fraction(RATE))
+    assert [s.camera for s in shots] == ["cam1", "cam2", "cam1"]
+    assert shots[1].range.start in range(62, 66)
+
+
+@pytest.mark.parametrize(
+    ("movements", "expected"),
+    [
+        ([], []),
+        ([(61, 66)], [67]),  # 59 lies by the sample of 60, 67 by none
+        ([(63, 68)], []),  # both lie by samples
+        ([(1, 5), (112, 119)], [6]),  # -1 and 120 are outside; 110 is a sample
+        ([(43, 44), (45, 53)], [54]),  # what lies in another movement is no place to look
+    ],
+)
+def test_edges_of_movements_where_nothing_is_known(movements, expected) -> None:
+    found = unseen_edges(sampled(), [Movement(FrameRange(*m), 1.0) for m in movements], FRAMES, 2)
+    assert found == expected
 
 
 def test_where_nothing_changes_fast_nothing_is_looked_at(footage: Footage) -> None:
