@@ -2,12 +2,12 @@
 
     python -m benchmarks.filling FOLDER [NAME ...]        makes what is missing, writes results/filling.md
 
-Programme frames by both fillers, from the analysis's EDL, as it centres them and shifted by a tenth of the picture by
-hand, are held against `UnoccludedScene`: the same instant without heads and hands, seen by the reference camera of the
-first pose on a larger image plane. Counted are the pixels that the chosen camera does not see, but some camera in some
-pose of this perspective. Twice: with the cameras filming the empty room, which shows what a filler does, and as
-recorded, where people stand in the other cameras' views as well. No filler reaches that truth: the other cameras see
-the relief from another side.
+Programme frames by the paper's filler and by the default, from the analysis's EDL, as it centres them and shifted by a
+tenth of the picture by hand, are held against `UnoccludedScene`: the same instant without heads and hands, seen by the
+reference camera of the first pose on a larger image plane. Counted are the pixels that the chosen camera does not see,
+but some camera in some pose of this perspective. Twice: with the cameras filming the empty room, which shows what a
+filler does, and as recorded, where people stand in the other cameras' views as well. The default lays the other cameras
+in three ways: by their planes alone, by the optical flow between medians (`compositing.parallax`), by the relief.
 """
 
 from __future__ import annotations
@@ -21,7 +21,6 @@ from datetime import date
 from pathlib import Path
 
 import attrs
-import cv2
 import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
@@ -31,7 +30,9 @@ from mcsl_core import edl
 from mcsl_core.analysis.pipeline import analyse
 from mcsl_core.analysis.settings import AnalysisSettings
 from mcsl_core.compositing.compositor import Compositor, block_frames
-from mcsl_core.compositing.placement import programme_matrix
+from mcsl_core.compositing.parallax import Parallax
+from mcsl_core.compositing.picture_source import PictureSource
+from mcsl_core.compositing.placement import programme_matrix, surface_of
 from mcsl_core.edl.placement import still_range
 from mcsl_core.edl.resolve import resolve, shift_at
 from mcsl_core.filling.footprint import FootprintFiller
@@ -39,6 +40,8 @@ from mcsl_core.filling.paper import PaperFiller
 from mcsl_core.filling.protocol import Filler
 from mcsl_core.hooks.registry import discover
 from mcsl_core.imaging.planes import Planes, median_planes, planes_to_bgr
+from mcsl_core.imaging.relief import Placement
+from mcsl_core.lru_cache import LruCache
 from mcsl_core.progress import Silent
 from mcsl_core.recording.footage import Footage
 from mcsl_core.simulation import Truth, load_truth
@@ -51,7 +54,24 @@ from mcsl_core.timing import FrameRange
 RESULTS = Path(__file__).parent / "results"
 FRAMES = 3  # judged in each pose
 SHIFT = 0.1  # of the picture's width and height, to the right and down
-FILLERS: tuple[Filler, ...] = (PaperFiller(), FootprintFiller())
+_ROOM_BYTES = 300_000_000  # of pictures of the empty room, which take longest
+
+
+@frozen
+class Way:
+    """One way to fill: by which filler, the other cameras laid how."""
+
+    filler: Filler
+    surface: bool = False
+    flow: bool = False
+
+
+WAYS = {
+    "paper": Way(PaperFiller(), surface=True, flow=True),
+    "planes": Way(FootprintFiller()),
+    "flow": Way(FootprintFiller(), flow=True),
+    "relief": Way(FootprintFiller(), surface=True, flow=True),
+}
 
 
 @frozen
@@ -64,13 +84,13 @@ class Row:
         Which it is.
     share, nobody : float
         Of the picture: what the chosen camera does not show, but some camera in some pose; and what no camera ever
-        shows, which both fillers leave black.
+        shows, which all leave black.
     empty_db, people_db : tuple of float
-        By each of `FILLERS`: PSNR of the filled pixels, the room empty and as recorded.
+        By each of `WAYS`: PSNR of the filled pixels, the room empty and as recorded.
     black : tuple of float
-        By each of `FILLERS`: share of those left black, the room empty.
+        By each of `WAYS`: share of those left black, the room empty.
     cpu_ms : tuple of float
-        By each of `FILLERS`: a frame, beyond the same without fill.
+        By each of `WAYS`: a frame, beyond the same without fill.
     """
 
     name: str
@@ -88,6 +108,7 @@ class EmptyRoom:
     """A `PictureSource` of what the cameras would have filmed without people."""
 
     def __init__(self, truth: Truth) -> None:
+        self._kept: LruCache[Planes] = LruCache(_ROOM_BYTES)
         simulated = Scene.of(attrs.evolve(truth.scenario, heads=0, hands=0))
         ground = Ground.of(simulated.scenario, simulated.surface, simulated.rig)
         self._truth = truth
@@ -106,7 +127,7 @@ class EmptyRoom:
 
     def picture(self, camera: str, frame: int) -> Planes | None:
         own = self._truth.own_frame(camera, frame)
-        return None if own is None else self._pictures[camera].frame(own)[0]
+        return None if own is None else self._kept.get((camera, own), lambda: self._pictures[camera].frame(own)[0])
 
 
 @frozen
@@ -162,29 +183,26 @@ def judged_frames(programme: edl.Edl, still: FrameRange) -> list[int]:
 
 def judged(recording: Recording, programme: edl.Edl, pose_index: int, centred: str, frames: list[int]) -> Row:
     """One row, over ``frames`` of one pose."""
-    errors, black, cpu, count, filled, nobody = np.zeros((2, 2)), np.zeros(2), np.zeros(3), 0, 0, 0
-    pose = programme.poses[pose_index]
-    kin = [p for p in programme.poses if p.perspective == pose.perspective]
+    ways = list(WAYS.values())
+    errors, black, count, filled, nobody = np.zeros((2, len(ways))), np.zeros(len(ways)), 0, 0, 0
+    flows = [(pictures, Parallax(programme, pictures)) for pictures in (recording.room, recording.filmed)]
     for frame in frames:
         decision = next(d for piece, d in resolve(programme) if frame in piece)
         offset = shift_at(programme, decision, frame)
-        hole = ~inside(programme, pose, decision.camera, offset)
-        by_some = [
-            inside(programme, p, c.name, offset) for p in kin for c in programme.cameras if c.name in p.homographies
-        ]
-        count, nobody = count + hole.size, nobody + int((hole & ~np.any(by_some, axis=0)).sum())
-        hole &= np.any(by_some, axis=0)
+        hole, by_some = holes(programme, pose_index, decision.camera, offset)
+        count, nobody = count + hole.size, nobody + int((hole & ~by_some).sum())
+        hole &= by_some
         filled += int(hole.sum())
         truth = planes_to_bgr(recording.scene.at(float(frame / programme.rate), offset))
-        for j, pictures in enumerate((recording.room, recording.filmed)):
-            for i, filler in enumerate(FILLERS):
-                with Compositor(programme, pictures, filler=filler) as compositor:
+        for j, (pictures, flow) in enumerate(flows):
+            for i, way in enumerate(ways):
+                with compositor_of(programme, pictures, way, flow) as compositor:
                     planes = next(iter(compositor.frames(FrameRange(frame, frame + 1))))
                 picture = planes_to_bgr(planes)[hole]
                 errors[j, i] += ((picture.astype(float) - truth[hole]) ** 2).mean(axis=1).sum()
                 black[i] += int((picture.max(axis=1) <= 10).sum()) if pictures is recording.room else 0
-    for i, look in enumerate((edl.Look(fill=False), None, None)):
-        cpu[i] = cost(programme, recording.filmed, FILLERS[max(0, i - 1)], frames[len(frames) // 2], look)
+    middle = frames[len(frames) // 2]
+    cpu = [cost(programme, recording.filmed, way, flows[1][1], middle) for way in ways]
     psnr = [[10 * math.log10(255**2 * filled / error) for error in row] for row in errors] if filled else [[], []]
     return Row(
         recording.name,
@@ -195,29 +213,69 @@ def judged(recording: Recording, programme: edl.Edl, pose_index: int, centred: s
         tuple(psnr[0]),
         tuple(float(v) for v in black / max(filled, 1)),
         tuple(psnr[1]),
-        tuple(float(v) for v in cpu[1:] - cpu[0]),
+        tuple(cpu),
     )
 
 
-def inside(programme: edl.Edl, pose: edl.Pose, camera: str, offset: tuple[float, float]) -> NDArray[np.bool_]:
+def compositor_of(programme: edl.Edl, pictures: PictureSource, way: Way, flow: Parallax) -> Compositor:
+    """Fills in one of the `WAYS`; ``flow`` is found once for all."""
+    laid = attrs.evolve(
+        programme,
+        look=attrs.evolve(programme.look, surface=way.surface),
+        overrides=tuple(attrs.evolve(o, surface=None) for o in programme.overrides),
+    )
+    return Compositor(laid, pictures, filler=way.filler, parallax=flow if way.flow else _NoFlow(programme, pictures))
+
+
+class _NoFlow(Parallax):
+    def of(self, pose_index: int, camera: str) -> None:
+        return None
+
+
+def holes(
+    programme: edl.Edl, pose_index: int, camera: str, offset: tuple[float, float]
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """(H, W), (H, W): where ``camera`` does not reach, in whatever way it is laid; where some camera does."""
+    pose = programme.poses[pose_index]
+    hole = np.logical_and.reduce([~inside(programme, pose, camera, offset, surface=s) for s in (False, True)])
+    kin = [p for p in programme.poses if p.perspective == pose.perspective]
+    by_some = [
+        inside(programme, p, c.name, offset, surface=True)
+        for p in kin
+        for c in programme.cameras
+        if c.name in p.homographies
+    ]
+    return hole, np.logical_or.reduce(by_some)
+
+
+def inside(
+    programme: edl.Edl, pose: edl.Pose, camera: str, offset: tuple[float, float], *, surface: bool
+) -> NDArray[np.bool_]:
     """(H, W): where ``camera`` reaches; a pixel at its edge, half inside, does not count."""
-    width, height = programme.camera(camera).size
-    ones = np.full((height, width), 255, np.uint8)
-    mask = cv2.warpPerspective(ones, programme_matrix(programme, pose, camera, offset), programme.size)
-    return np.asarray(mask) == 255
+    width, height = programme.size
+    x, y = np.meshgrid(np.arange(width, dtype=np.float64), np.arange(height, dtype=np.float64))
+    field = surface_of(programme, pose, camera) if surface else None
+    placement = Placement(programme_matrix(programme, pose, camera), field, offset)
+    seen = placement.to_camera(np.column_stack([x.ravel(), y.ravel()]))
+    reach = np.array(programme.camera(camera).size) - 1
+    return np.asarray(((seen >= 0) & (seen <= reach)).all(axis=1).reshape(height, width))
 
 
-def cost(programme: edl.Edl, footage: Footage, filler: Filler, frame: int, look: edl.Look | None) -> float:
-    """CPU in ms a frame over a second from ``frame`` on, after a first second."""
+def cost(programme: edl.Edl, footage: Footage, way: Way, flow: Parallax, frame: int) -> float:
+    """CPU in ms a frame over a second from ``frame`` on, after a first second; beyond the same without fill."""
     second = round(programme.rate)
     stop = min(frame + 2 * second, programme.frames)
     start = max(0, stop - second)
-    before = 0.0
-    with Compositor(programme, footage, filler=filler, look=look) as compositor:
-        for index, _ in enumerate(compositor.frames(FrameRange(max(0, start - second), stop))):
-            if index == second - 1:
-                before = time.process_time()
-    return 1000 * (time.process_time() - before) / second
+    spent = []
+    for fill in (False, True):
+        before = 0.0
+        made = attrs.evolve(programme, look=attrs.evolve(programme.look, fill=fill))
+        with compositor_of(made, footage, way, flow) as compositor:
+            for index, _ in enumerate(compositor.frames(FrameRange(max(0, start - second), stop))):
+                if index == second - 1:
+                    before = time.process_time()
+        spent.append(1000 * (time.process_time() - before) / second)
+    return spent[1] - spent[0]
 
 
 def table(rows: list[Row]) -> str:
@@ -230,28 +288,32 @@ def table(rows: list[Row]) -> str:
         "PSNR of the pixels that the chosen camera does not see, but some camera in some pose of the perspective (the",
         "rest is nobody's), against the scene without people seen by the first pose's reference camera on a wider",
         "plane: with the cameras filming the empty room, and as recorded. Each time the paper's filler (`reference`),",
-        "then the default (`footprint`). Black: share of those pixels left black in the empty room. CPU: what filling",
-        "costs a frame beyond the same without it, decoding the other cameras included.",
+        "then the default (`footprint`) with the other cameras laid by planes alone, by the flow between medians, and",
+        "by the relief. Black: share of those pixels left black in the empty room. CPU: what filling costs a frame",
+        "beyond the same without it, decoding the other cameras included.",
+        "",
+        f"In each field: {', '.join(WAYS)}.",
         "",
         "| recording | pose | centred | filled | nobody's | empty room, dB | as recorded, dB | black | CPU, ms |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for r in rows:
-        lines.append(
-            f"| {r.name} | {r.pose} | {r.centred} | {r.share:.0%} | {r.nobody:.1%} "
-            f"| {r.empty_db[0]:.1f}, **{r.empty_db[1]:.1f}** "
-            f"| {r.people_db[0]:.1f}, **{r.people_db[1]:.1f}** | {r.black[0]:.1%}, {r.black[1]:.1%} "
-            f"| {r.cpu_ms[0]:.0f}, {r.cpu_ms[1]:.0f} |"
+        fields = (
+            *(", ".join(f"{v:.1f}" for v in values) for values in (r.empty_db, r.people_db)),
+            ", ".join(f"{v:.1%}" for v in r.black),
+            ", ".join(f"{v:.0f}" for v in r.cpu_ms),
         )
-    for what, gains in (
-        ("In the empty room", [r.empty_db[1] - r.empty_db[0] for r in rows]),
-        ("As recorded", [r.people_db[1] - r.people_db[0] for r in rows]),
-    ):
-        lines += [
-            "",
-            f"{what}, `footprint` is ahead in {sum(g > 0 for g in gains)} of {len(gains)} rows, by "
-            f"{np.median(gains):.1f} dB in the median ({min(gains):.1f} to {max(gains):.1f}).",
-        ]
+        lines.append(f"| {r.name} | {r.pose} | {r.centred} | {r.share:.0%} | {r.nobody:.1%} | {' | '.join(fields)} |")
+    names = list(WAYS)
+    for what, of in (("In the empty room", "empty_db"), ("As recorded", "people_db")):
+        for way, other in (("relief", "paper"), ("relief", "planes"), ("relief", "flow"), ("flow", "planes")):
+            values = [getattr(r, of) for r in rows if r.empty_db]
+            gains = [v[names.index(way)] - v[names.index(other)] for v in values]
+            lines += [
+                "",
+                f"{what}, `{way}` is ahead of `{other}` in {sum(g > 0 for g in gains)} of {len(gains)} rows, by "
+                f"{np.median(gains):.1f} dB in the median ({min(gains):.1f} to {max(gains):.1f}).",
+            ]
     return "\n".join(lines) + "\n"
 
 
