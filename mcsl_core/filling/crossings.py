@@ -56,7 +56,7 @@ class Crossing:
 
     def within(self, rect: Rect) -> Rect | None:
         """The part of ``rect`` outside of which nothing changes; None without any."""
-        return touched(cv2.max(self.hidden, self.shown), self.cell, rect)
+        return touched(np.maximum(self.hidden, self.shown), self.cell, rect)
 
     def laid(self, picture: Planes, median: Planes, moved: Planes, rect: Rect) -> Iterator[U8]:
         """The planes of ``picture`` with the thing where it belongs; all are the same part, ``rect``."""
