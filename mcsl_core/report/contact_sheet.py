@@ -13,6 +13,7 @@ from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.documents import write_atomic
 from mcsl_core.edl import Edl
 from mcsl_core.edl.resolve import resolve
+from mcsl_core.imaging.lettering import write_text
 from mcsl_core.imaging.planes import planes_to_bgr
 from mcsl_core.recording.footage import Footage
 from mcsl_core.timing import FrameRange, format_time
@@ -91,6 +92,4 @@ def _fitted(picture: Picture, width: int) -> Picture:
 def _label(picture: Picture, text: str, scale: float) -> None:
     """Text in the lower left corner; OpenCV's font has ASCII only."""
     shown = text.encode("ascii", "replace").decode()
-    at = (8, picture.shape[0] - 8)
-    for colour, thickness in (((0, 0, 0), 3), ((255, 255, 255), 1)):
-        cv2.putText(picture, shown, at, cv2.FONT_HERSHEY_SIMPLEX, scale, colour, thickness, cv2.LINE_AA)
+    write_text(picture, shown, (8, picture.shape[0] - 8), scale)

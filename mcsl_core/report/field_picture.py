@@ -18,6 +18,7 @@ from mcsl_core.edl import Edl, FieldStretch
 from mcsl_core.edl.field import MIDDLE, field_at, fields_now
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.errors import McslError, MediaError
+from mcsl_core.imaging.lettering import write_text
 from mcsl_core.imaging.planes import planes_to_bgr
 from mcsl_core.outputs.claim import claim
 from mcsl_core.outputs.inputs import inputs_of
@@ -112,4 +113,4 @@ def _tick(picture: Picture, start: Sequence[int], stop: Sequence[int], text: Seq
     number = str(max(start))
     for colour, thickness in (((0, 0, 0), 3), ((255, 255, 255), 1)):
         cv2.line(picture, tuple(start), tuple(stop), colour, thickness)
-        cv2.putText(picture, number, tuple(text), cv2.FONT_HERSHEY_SIMPLEX, size, colour, thickness, cv2.LINE_AA)
+    write_text(picture, number, (text[0], text[1]), size)

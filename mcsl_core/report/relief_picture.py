@@ -113,7 +113,8 @@ def upwards(edl: Edl, pose: Pose, relief: Relief) -> int:
         plane = inverse(programme_matrix(edl, pose, name))
         about = 0.02 * width * np.eye(2)
         larger.append([_magnification(plane, middle + way) - _magnification(plane, middle - way) for way in about])
-        laid.append(transform_points(inverse(projection[:, :3]), project(projection, raised))[0])
+        with np.errstate(divide="ignore", invalid="ignore"):  # of a matrix out of somebody's hand
+            laid.append(transform_points(inverse(projection[:, :3]), project(projection, raised))[0])
     return 1 if np.sum((larger - np.mean(larger, axis=0)) * (laid - np.mean(laid, axis=0))) <= 0 else -1
 
 

@@ -22,14 +22,14 @@ from mcsl_core.recording.footage import Footage
 
 from .pictures import Picture
 
-_WIDTH = 640  # of the pictures compared: a fifth of a pixel of theirs is seen
+_WIDTH = 480  # of the pictures compared: a fifth of a pixel of theirs is seen
 _FRAMES = 5  # of a pose, of which ...
 _AGREE = 2  # ... so many must show a place alike: hands that move do not
 
 
 @frozen
 class Left:
-    """Between a camera and the reference camera, in programme pixels: at half of the places, and at 95 % of them."""
+    """Between a camera and the others, in programme pixels: at half of the places, and at 95 % of them."""
 
     median: float
     most: float
@@ -61,7 +61,7 @@ def residuals(edl: Edl, base: Path, progress: Progress) -> list[Mapping[str, Res
     Returns
     -------
     list of mapping of str to Residuals
-        By pose; without cameras that share too little with the reference camera. Empty for a pose without a relief.
+        By pose; without cameras that share too little with the others. Empty for a pose without a relief.
 
     Raises
     ------
@@ -89,25 +89,27 @@ def _of_pose(edl: Edl, pose: Pose, footage: Footage, larger: float) -> dict[str,
     frames = _some(pose.solved_from or range(pose.range.start, pose.range.stop))
     cameras: dict[str, AlignedCamera] = {}
     ways: dict[str, tuple[Placement, Placement]] = {}
-    for name in dict.fromkeys((edl.reference, *pose.relief.projections)):
+    for name in pose.relief.projections:
         plane, surface = (camera_placement(edl, pose, name, surface=by) for by in (False, True))
         if plane is None or surface is None:
             continue
         ways[name] = plane, surface
         places = surface.to_camera(pixels_of(edl.size)).reshape(edl.size[1], edl.size[0], 2).astype(np.float32)
         cameras[name] = AlignedCamera(_pictures(footage, name, frames), places, edl.camera(name).size)
-    matches = match_densely(cameras, _area(edl, frames[0]), DenseSettings(moments=_AGREE), {edl.reference})
-    return {
-        b if a == edl.reference else a: Residuals(
-            *(_left(one, other, found, larger) for one, other in zip(ways[a], ways[b], strict=True))
-        )
-        for (a, b), found in matches.items()
-    }
+    matches = match_densely(cameras, _area(edl, frames[0]), DenseSettings(moments=_AGREE))
+    made = {}
+    for name in cameras:
+        pairs = [(pair, found) for pair, found in matches.items() if name in pair]
+        if pairs:
+            by = (np.concatenate([_apart(ways, pair, found, way) for pair, found in pairs]) for way in (0, 1))
+            made[name] = Residuals(*(Left(*(larger * np.percentile(apart, [50, 95])).tolist()) for apart in by))
+    return made
 
 
-def _left(a: Placement, b: Placement, found: Correspondences, larger: float) -> Left:
-    apart: Array = larger * np.hypot(*(a.to_programme(found.a) - b.to_programme(found.b)).T)
-    return Left(float(np.median(apart)), float(np.percentile(apart, 95)))
+def _apart(ways: Mapping[str, Sequence[Placement]], pair: tuple[str, str], found: Correspondences, way: int) -> Array:
+    """How far apart the places of a pair's matches are laid, in pixels of the pictures compared."""
+    a, b = (ways[name][way].to_programme(at) for name, at in zip(pair, (found.a, found.b), strict=True))
+    return np.hypot(*(a - b).T)
 
 
 def _some(frames: Sequence[int]) -> list[int]:

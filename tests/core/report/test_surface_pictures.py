@@ -96,7 +96,8 @@ def test_a_field_is_outlined_on_the_picture_as_the_look_lays_it(edl_path: Path, 
 def test_what_plane_and_surface_leave_is_what_the_heights_say(edl_path: Path) -> None:
     """By a plane as far as the hill moves the field's places; by the relief a fraction of a pixel."""
     found = residuals(load(edl_path), edl_path.parent, Silent())[0]
-    assert found.keys() == {"b"}
+    assert found.keys() == {"a", "b"}
+    assert found["a"] == found["b"], "there is one pair"
     x, y = np.meshgrid(np.arange(120.0, 360), np.arange(80.0, 240))
     places = np.column_stack([x.ravel(), y.ravel()])
     laid = transform_points(inverse(scene.PROJECTION[:, :3]), scene.seen(places, SIZE, HEIGHT))
@@ -125,7 +126,7 @@ def test_the_page_shows_the_relief_and_what_remains(edl_path: Path, tmp_path: Pa
     assert "moves a camera's picture by up to" in text
     assert "surface leaves, px" in text
     assert text.count("base64,") == 5
-    assert len(re.findall(r'<td class="n">\d+\.\d / \d+\.\d</td>', text)) == 2
+    assert len(re.findall(r'<td class="n">\d+\.\d / \d+\.\d</td>', text)) == 4
     assert "There is no switch to measure it at." in text
 
 
