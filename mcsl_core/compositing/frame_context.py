@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from functools import cached_property
 
-import attrs
 import cv2
 import numpy as np
 from attrs import frozen
@@ -111,15 +110,9 @@ class FrameContext:
         blur_px: float = 0.0,
         *,
         parallax_corrected: bool = False,
-        shift: tuple[float, float] = (0.0, 0.0),
     ) -> Planes | None:
         if not median_of:
             planes = self.warper.own_picture(camera, self.frame)
-            if shift != (0, 0):  # of this frame alone
-                offset = self.offset[0] + shift[0], self.offset[1] + shift[1]
-                return attrs.evolve(self, offset=offset, steady=False).picture(
-                    camera, rect, (), blur_px, parallax_corrected=parallax_corrected
-                )
             return self._warped(camera, rect, planes, (self.frame,), blur_px, parallax_corrected)
 
         def make() -> Planes | None:

@@ -8,16 +8,14 @@ from math import log2
 import attrs
 import cv2
 import numpy as np
-from attrs import field, frozen
 from numpy.typing import NDArray
 
 from mcsl_core.imaging.planes import BLACK, Planes
 from mcsl_core.imaging.rect import Rect
 from mcsl_core.lru_cache import LruCache
 
-from .crossings import Crossing, find_crossings
 from .layers import FillPlan, FillRegion, plan_layers
-from .occluders import Occluder, Occluders, find_motion, find_occluders
+from .occluders import Occluders, find_occluders
 from .protocol import FillContext
 from .sources import Source, crossfade, median_frames, missing
 
@@ -25,14 +23,6 @@ _PLANS_BYTES = 200  # of plans, a pixel of the programme: 400 MB at 1080p, for 8
 
 # By source: its picture for all its regions, warped once, and where that lies.
 BoxPictures = Mapping[int, tuple[Rect, Planes]]
-
-
-@frozen(eq=False)
-class Others:
-    """Who is in the way of a camera, and what crosses the edge towards its picture; by camera."""
-
-    occluders: Occluders = field(factory=dict)
-    crossings: Mapping[str, tuple[Crossing, ...]] = field(factory=dict)
 
 
 class FootprintFiller:
@@ -51,7 +41,7 @@ class FootprintFiller:
     """
 
     name = "footprint"
-    version = 6
+    version = 5
     remembers = False
 
     def __init__(self, feather_px: float = 24.0) -> None:
@@ -72,13 +62,13 @@ class FootprintFiller:
         # The chosen camera's picture bends over into the others', so that what lies across its edge goes on there.
         front = context.picture(context.camera, Rect(0, 0, *context.size), parallax_corrected=True) or context.front
         out = Planes(*(plane.copy() for plane in front))
-        others = _others_in(context, plan, front)
+        occluders = find_occluders(context, plan)
         boxes = {
-            index: (box, _source_picture(context, plan.sources[index], box, others))
+            index: (box, _source_picture(context, plan.sources[index], box, occluders))
             for index, box in plan.boxes.items()
         }
         for region in plan.regions:
-            _fill_region(out, context, plan.sources, region, boxes, others)
+            _fill_region(out, context, plan.sources, region, boxes, occluders)
         return out
 
     def _planned(self, context: FillContext, absent: frozenset[Source]) -> FillPlan:
@@ -93,7 +83,7 @@ def _fill_region(
     sources: Sequence[Source],
     region: FillRegion,
     boxes: BoxPictures,
-    others: Others,
+    occluders: Occluders,
 ) -> None:
     """Blend the region's layers from back to front into ``out``."""
     target = region.rect.of(out)
@@ -106,7 +96,7 @@ def _fill_region(
             inside = Rect(region.rect.x - box.x, region.rect.y - box.y, region.rect.width, region.rect.height)
             pictures.append(inside.of(picture))
         else:
-            pictures.append(_source_picture(context, sources[layer.source], region.rect, others))
+            pictures.append(_source_picture(context, sources[layer.source], region.rect, occluders))
     for index, plane in enumerate(target):
         result: NDArray = tuple(pictures[-1])[index] if pictures else np.full(plane.shape, BLACK[index], np.uint8)
         behind = list(zip(pictures, region.layers, strict=True))
@@ -120,25 +110,8 @@ def _fill_region(
         plane[:] = result
 
 
-def _others_in(context: FillContext, plan: FillPlan, front: Planes) -> Others:
-    """Who is in the way of the camera decoded beside the chosen one, and who crosses the edge between the two."""
-    motion = find_motion(context, plan)
-    if motion is None or plan.overlap is None:
-        return Others()
-    occluders, camera = find_occluders(plan.overlap, motion), motion.camera
-    if not motion.crosses(plan.overlap):
-        return Others(occluders)
-    whole = Rect(0, 0, *context.size)
-    medians = [
-        _source_picture(context, Source(name, median=True), whole, Others()) for name in (context.camera, camera)
-    ]
-    other = _source_picture(context, Source(camera), whole, Others())
-    inside, reach = (context.footprint(name, parallax_corrected=True) for name in (context.camera, camera))
-    return Others(occluders, {camera: find_crossings((front, medians[0]), (other, medians[1]), inside, reach)})
-
-
-def _source_picture(context: FillContext, source: Source, rect: Rect, others: Others) -> Planes:
-    """A source's picture in ``rect``, without who is in its way, and with what crosses the edge where it belongs."""
+def _source_picture(context: FillContext, source: Source, rect: Rect, occluders: Occluders) -> Planes:
+    """A source's picture in ``rect``; where somebody is in the way, that camera's median in its place."""
     blur = 0.0 if source.frame is None else _blur_px(abs(context.frame - source.frame) / context.rate, context.size[0])
     found = [
         context.picture(source.camera, rect, frames, blur, parallax_corrected=not source.plane_only)
@@ -146,47 +119,21 @@ def _source_picture(context: FillContext, source: Source, rect: Rect, others: Ot
     ]
     planes = [picture for picture in found if picture is not None]
     picture = planes[0] if len(planes) < 2 else _crossfaded(planes[0], planes[1], crossfade(context))
-    if not source.live:
+    if not source.live or source.camera not in occluders:
         return picture
-    occluder, crossings = others.occluders.get(source.camera), others.crossings.get(source.camera, ())
-    parts = [part for one in (occluder, *crossings) if one is not None and (part := one.within(rect)) is not None]
-    if not parts:
-        return picture
-    # Of all of the rectangle, not of the parts alone: it is the same for many frames.
-    median = _source_picture(context, attrs.evolve(source, median=True), rect, Others())
-    out = Planes(*(plane.copy() for plane in picture))
-    if occluder is not None:
-        _hide(out, median, occluder, rect)
-    for crossing in crossings:
-        _move(context, source, out, median, crossing, rect)
-    return out
-
-
-def _hide(out: Planes, median: Planes, occluder: Occluder, rect: Rect) -> None:
-    """Put the camera's median where somebody is in its way; ``out`` and ``median`` are of ``rect``."""
+    occluder = occluders[source.camera]
     part = occluder.within(rect)
     if part is None:
-        return
-    inside = part.moved(-rect.x, -rect.y)
+        return picture
+    # Of all of the rectangle, not of the part alone: it is the same for many frames.
+    median = _source_picture(context, attrs.evolve(source, median=True), rect, {})
+    out = Planes(*(plane.copy() for plane in picture))
+    inside = Rect(part.x - rect.x, part.y - rect.y, part.width, part.height)
     chroma = occluder.weights(part, 2)
     weights = occluder.weights(part, 1), chroma, chroma
-    for target, old, weight in zip(inside.of(out), inside.of(median), weights, strict=True):
-        target[:] = cv2.blendLinear(old, target, weight, 1 - weight)
-
-
-def _move(context: FillContext, source: Source, out: Planes, median: Planes, crossing: Crossing, rect: Rect) -> None:
-    """Put what crosses the edge where it belongs; ``out`` and ``median`` are of ``rect``."""
-    part = crossing.within(rect)
-    if part is None:
-        return
-    corrected = not source.plane_only
-    moved = context.picture(source.camera, part, parallax_corrected=corrected, shift=crossing.shift)
-    if moved is None:
-        return
-    inside = part.moved(-rect.x, -rect.y)
-    made = crossing.laid(inside.of(out), inside.of(median), moved, part)
-    for target, plane in zip(inside.of(out), made, strict=True):
-        target[:] = plane
+    for target, old, new, weight in zip(inside.of(out), inside.of(median), inside.of(picture), weights, strict=True):
+        target[:] = cv2.blendLinear(old, new, weight, 1 - weight)
+    return out
 
 
 def _crossfaded(a: Planes, b: Planes, weight: float) -> Planes:

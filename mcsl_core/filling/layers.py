@@ -17,7 +17,6 @@ from mcsl_core.imaging.masks import feathered
 from mcsl_core.imaging.planes import U8
 from mcsl_core.imaging.rect import Rect
 
-from .cells import Weight
 from .protocol import CELL, FillContext
 from .sources import Source, candidates
 
@@ -25,6 +24,8 @@ _SLIVER = 1 / 200  # least share of the frame for which one more camera is decod
 _SPECK = 1 / 20_000  # least share for which a median is made: 100 pixels at 1080p
 _BAND = 96  # half-size rows in which regions are found
 _NARROWEST = 16  # half-size columns of a region
+
+Weight = NDArray[np.float32]
 
 
 @frozen(eq=False)

@@ -10,8 +10,7 @@ from attrs import frozen
 
 from mcsl_core.imaging.rect import Rect
 
-from .cells import Weight, shown_in, touched
-from .layers import FillPlan
+from .layers import FillPlan, Weight
 from .protocol import CELL, FillContext
 from .sources import Source, crossfade, median_frames
 
@@ -35,51 +34,38 @@ class Occluder:
 
     def within(self, rect: Rect) -> Rect | None:
         """The part of ``rect`` outside of which nobody is in the way; None without any."""
-        return touched(self.cells, CELL, rect)
+        x, y, width, height = cv2.boundingRect((self.cells > 1 / 512).astype(np.uint8))
+        left, top = max(rect.x, CELL * (x - 1)), max(rect.y, CELL * (y - 1))
+        right = min(rect.x + rect.width, CELL * (x + width + 1))
+        bottom = min(rect.y + rect.height, CELL * (y + height + 1))
+        return Rect(left, top, right - left, bottom - top) if width and left < right and top < bottom else None
 
     def weights(self, rect: Rect, step: int) -> Weight:
-        """How much of a rectangle's samples is hidden; see `shown_in`."""
-        return shown_in(self.cells, CELL, rect, step)
+        """How much of a rectangle's samples is hidden.
+
+        Parameters
+        ----------
+        rect : Rect
+            In programme pixels.
+        step : int
+            At every so many pixels: 1 for luma samples, 2 for chroma samples.
+
+        Returns
+        -------
+        (rect.height / step, rect.width / step) float32
+            0..1, interpolated from ``cells``.
+        """
+        cell = CELL // step
+        matrix = np.array([[cell, 0, cell / 2 - 0.5 - rect.x / step], [0, cell, cell / 2 - 0.5 - rect.y / step]])
+        size = (rect.width // step, rect.height // step)
+        wide = cv2.warpAffine(self.cells, matrix, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        return np.asarray(wide, np.float32)
 
 
 Occluders = Mapping[str, Occluder]  # by camera
 
 
-@frozen(eq=False)
-class Motion:
-    """Who moves where, by cell of the programme, 0..1.
-
-    Attributes
-    ----------
-    camera : str
-        The one that is decoded beside the chosen one.
-    own, other : (ceil(height / 16), ceil(width / 16)) float32
-        In the chosen camera's picture, and in the other's.
-    """
-
-    camera: str
-    own: Weight
-    other: Weight
-
-    def crosses(self, overlap: Weight) -> bool:
-        """Whether in the other's picture something moves on both sides of the chosen one's edge."""
-        count, labels = cv2.connectedComponents((self.other > 0.5).astype(np.uint8))
-        inside = np.unique(labels[overlap > 0.5])
-        return bool(np.isin(np.unique(labels[overlap < 0.5]), inside[inside > 0]).any()) if count > 1 else False
-
-
-def find_motion(context: FillContext, plan: FillPlan) -> Motion | None:
-    """Who moves; None where nobody does beyond the chosen camera's picture, or no camera is decoded beside it."""
-    if plan.overlap is None:
-        return None
-    camera = next(source.camera for source in plan.sources[1:] if source.live)
-    other = _motion(context, camera)
-    if not (other * (1 - plan.overlap)).any():
-        return None
-    return Motion(camera, _motion(context, context.camera), other)
-
-
-def find_occluders(overlap: Weight, motion: Motion) -> Occluders:
+def find_occluders(context: FillContext, plan: FillPlan) -> Occluders:
     """Where somebody hides the field from the camera decoded beside the chosen one, but not from the chosen one.
 
     The chosen camera is the least occluded; a head that hides the field from the other one would come back with its
@@ -87,10 +73,10 @@ def find_occluders(overlap: Weight, motion: Motion) -> Occluders:
 
     Parameters
     ----------
-    overlap : (ceil(height / 16), ceil(width / 16)) float32
-        Where both have a picture.
-    motion : Motion
-        Of both.
+    context : FillContext
+        The programme frame.
+    plan : FillPlan
+        Says which camera is decoded beside the chosen one, and where both have a picture.
 
     Returns
     -------
@@ -101,11 +87,18 @@ def find_occluders(overlap: Weight, motion: Motion) -> Occluders:
     -----
     Outside the chosen camera's picture it goes by the surroundings, in which both have one.
     """
-    alone = _blurred(np.asarray(overlap * (motion.other * (1 - motion.own)), np.float32))
-    near = _blurred(np.asarray(overlap * motion.other, np.float32))
+    if plan.overlap is None:
+        return {}
+    camera = next(source.camera for source in plan.sources[1:] if source.live)
+    other = _motion(context, camera)
+    if not (other * (1 - plan.overlap)).any():
+        return {}
+    own = _motion(context, context.camera)
+    alone = _blurred(np.asarray(plan.overlap * (other * (1 - own)), np.float32))
+    near = _blurred(np.asarray(plan.overlap * other, np.float32))
     only = np.clip((alone / (near + _LEAST) - _ALONE[0]) / (_ALONE[1] - _ALONE[0]), 0, 1)
-    cells = cv2.GaussianBlur(cv2.dilate(motion.other * only, np.ones((5, 5), np.uint8)), (0, 0), 1.0)
-    return {motion.camera: Occluder(np.asarray(cells, np.float32))} if cells.max() > 0.02 else {}
+    cells = cv2.GaussianBlur(cv2.dilate(other * only, np.ones((5, 5), np.uint8)), (0, 0), 1.0)
+    return {camera: Occluder(np.asarray(cells, np.float32))} if cells.max() > 0.02 else {}
 
 
 def _motion(context: FillContext, camera: str) -> Weight:

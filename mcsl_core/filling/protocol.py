@@ -113,7 +113,6 @@ class FillContext(Protocol):
         blur_px: float = 0.0,
         *,
         parallax_corrected: bool = False,
-        shift: tuple[float, float] = (0.0, 0.0),
     ) -> Planes | None:
         """What a camera shows in a rectangle of the programme, warped and coloured.
 
@@ -132,9 +131,6 @@ class FillContext(Protocol):
         parallax_corrected : bool
             What does not lie on the plane of the field is moved to where the perspective's first picture has it; of
             the chosen camera only towards its edge, so that its picture goes over into the others'.
-        shift : (float, float)
-            What is laid further to the right and down than it is, in programme pixels: for what lies elsewhere by its
-            own height. Still by one resampling; of the picture now alone.
 
         Returns
         -------

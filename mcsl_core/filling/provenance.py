@@ -75,11 +75,8 @@ class _TintedContext:
         blur_px: float = 0.0,
         *,
         parallax_corrected: bool = False,
-        shift: tuple[float, float] = (0.0, 0.0),
     ) -> Planes | None:
-        planes = self.context.picture(
-            camera, rect, median_of, blur_px, parallax_corrected=parallax_corrected, shift=shift
-        )
+        planes = self.context.picture(camera, rect, median_of, blur_px, parallax_corrected=parallax_corrected)
         return None if planes is None else self._tint(camera, planes, bool(median_of))
 
     def footprint(self, camera: str, frame: int | None = None, *, parallax_corrected: bool = False) -> U8:

@@ -33,7 +33,3 @@ class Rect:
     def grown(self, by: int) -> Rect:
         """With a border of ``by`` (even) pixels around it."""
         return Rect(self.x - by, self.y - by, self.width + 2 * by, self.height + 2 * by)
-
-    def moved(self, x: int, y: int) -> Rect:
-        """The same further to the right and down by even pixels."""
-        return Rect(self.x + x, self.y + y, self.width, self.height)
