@@ -107,7 +107,7 @@ def _bend(places: Array, heights: Array) -> Array:
 
     def solved() -> Array:
         weighed = terms.T * (share * weight)
-        return np.linalg.solve(weighed @ terms + held, weighed @ heights)
+        return np.asarray(np.linalg.solve(weighed @ terms + held, weighed @ heights), np.float64)
 
     for _ in range(30):  # the lower quantile
         bend = solved()
