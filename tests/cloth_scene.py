@@ -31,6 +31,11 @@ def cloth() -> np.ndarray:
     return cv2.cvtColor(cv2.normalize(grey, None, 30, 220, cv2.NORM_MINMAX).astype(np.uint8), cv2.COLOR_GRAY2BGR)
 
 
-def taken(projection: np.ndarray, over: np.ndarray) -> np.ndarray:
-    """What a camera sees of a `cloth` ``over`` the hill."""
-    return cv2.remap(over, shown_at(projection, hill, SIZE) + _AROUND, None, cv2.INTER_CUBIC)
+def waves(points: np.ndarray) -> np.ndarray:
+    """(N,): another surface than the hill, bent all over."""
+    return 5 * np.sin(points[:, 0] / 45) * np.cos(points[:, 1] / 35)
+
+
+def taken(projection: np.ndarray, over: np.ndarray, surface=hill) -> np.ndarray:
+    """What a camera sees of a `cloth` ``over`` the surface."""
+    return cv2.remap(over, shown_at(projection, surface, SIZE) + _AROUND, None, cv2.INTER_CUBIC)

@@ -89,3 +89,11 @@ def test_what_stands_nearer_to_a_lamps_cameras_is_higher_whichever_way_gamma_gro
     assert own[:2] / own[2] == pytest.approx(true[:2] / true[2], abs=1e-6)  # the projections are right
     height = height_of_gamma(projections, np.array([320.0, 180.0]))
     assert height * (gammas[1] - gammas[0]) > 5  # pixels of 640, for 30 mm
+
+
+def test_a_bend_that_does_not_say_how_the_points_lie_is_not_carried_on() -> None:
+    """An open wound in level skin, half of which is hidden: nothing bends beyond the points."""
+    x, y = (a.ravel() for a in np.meshgrid(np.arange(60, 190, 3.0), np.arange(25, 115, 3.0)))
+    deep = np.where(np.hypot((x - 125) / 1.6, y - 58) < 12, -15.0, 0.0) + np.random.default_rng(2).normal(0, 1, len(x))
+    gamma = field_gamma(np.column_stack([x, y, deep])[y < 80], FIELD, 1.0)
+    assert np.abs(gamma[80:100, 80:170]).max() < 2

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import pytest
-from cloth_scene import RIG, SIZE, cloth, hill, taken
+from cloth_scene import RIG, SIZE, cloth, hill, taken, waves
 
 from mcsl_core.alignment.relief.matching import Views, field_pairs, relief_cameras
 from mcsl_core.alignment.steady import SteadyView
@@ -23,9 +24,9 @@ def views(pictures: dict[str, np.ndarray]) -> Views:
     return Views("ref", dict.fromkeys(pictures, SIZE), steady, [pictures] * 3)
 
 
-def planes(wrong: float = 3.0) -> dict[str, np.ndarray]:
+def planes(wrong: float = 3.0, rig: dict[str, np.ndarray] = RIG) -> dict[str, np.ndarray]:
     shift = np.array([[1, 0, wrong], [0, 1, -wrong], [0, 0, 1.0]])
-    return {n: np.eye(3) if n == "ref" else shift @ np.linalg.inv(p[:, :3]) for n, p in RIG.items()}
+    return {n: np.eye(3) if n == "ref" else shift @ np.linalg.inv(p[:, :3]) for n, p in rig.items()}
 
 
 def test_projections_and_gamma_are_found_by_pictures_alone(pictures) -> None:
@@ -82,3 +83,24 @@ def test_where_hands_work_all_over_the_middle_single_samples_speak(pictures) -> 
     assert len(middle) > 100
     there = project(RIG["c"], np.column_stack([middle[:, :2], hill(middle[:, :2])]))
     assert np.median(np.hypot(*(project(found.projections["c"], middle) - there).T)) < 0.2
+
+
+def test_a_field_hidden_from_the_reference_is_known_by_what_three_others_see() -> None:
+    fourth = np.array([[-0.2, 0.98, 155.0, -0.6], [-0.98, -0.2, 397.0, -0.7], [3e-5, -3e-5, 1.0, 2e-4]])
+    rig = {**RIG, "d": fourth}
+    over = cloth()
+    pictures = {name: taken(own, over, waves) for name, own in rig.items()}
+    head = np.ones(SIZE[::-1], np.uint8)
+    cv2.circle(head, (240, 135), 66, 0, -1)
+    pictures["ref"] = pictures["ref"] * head[..., None]
+    hidden = views(pictures)
+    hidden.steady["ref"] = SteadyView(pictures["ref"], head > 0)  # pyright: ignore[reportIndexIssue]
+    cameras = relief_cameras(hidden, planes(rig=rig))
+    assert cameras is not None
+    assert set(cameras.projections) == set(rig)
+    field = np.zeros((54, 96), bool)
+    field[20:34, 38:58] = True
+    for (_, name), matches in field_pairs(cameras, field, hidden).items():
+        inside = matches.weight == 1
+        there = project(rig[name], np.column_stack([matches.a, waves(matches.a)]))[inside]
+        assert np.median(np.hypot(*(matches.b[inside] - there).T)) < 0.5, name
