@@ -101,7 +101,7 @@ class _Recording:
         shared = (one for one in earlier if one.pose.perspective == tied.pose.perspective)
         before = next((one.relief for one in shared if one.relief is not None), None)
         seen = tied.scene
-        relief = estimate_relief(solver.estimator, seen.cameras, seen.views, planes, before)
+        relief = estimate_relief(solver.estimator, seen.cameras, seen.views, planes, before, tied.aligned.field)
         if relief is None:
             return tied
         return attrs.evolve(tied, pose=attrs.evolve(tied.pose, relief=relief.document()), relief=relief)

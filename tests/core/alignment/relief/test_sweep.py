@@ -96,6 +96,20 @@ def test_what_rests_in_one_group_of_moments_is_no_relief(over_a_hill: ReliefScen
     assert np.sqrt((off(found, hill()) ** 2).mean()) < 0.3
 
 
+def test_a_place_that_most_cameras_do_not_see_is_found_by_those_that_do(over_a_hill: ReliefScene) -> None:
+    """Heads rest before it, steadily, one in each of two cameras of four."""
+    cameras = dict(over_a_hill.cameras)
+    for n, name in enumerate(("cam1", "cam4")):
+        picture = cameras[name].views[0].picture.copy()
+        picture[90:270, 180:460] = rough(40 + n)[90:270, 180:460]
+        cameras[name] = evolve(cameras[name], views=(ReliefView(picture, cameras[name].views[0].steady),))
+    found = PlaneSweep().estimate(evolve(over_a_hill, cameras=cameras))
+    assert found is not None
+    far = np.abs(at_pixels(found.gamma) - hill())[120:240, 220:420]
+    assert np.sqrt((far**2).mean()) < 0.6
+    assert at_pixels(found.confidence)[120:240, 220:420].mean() > 0.5
+
+
 def test_what_is_not_steady_is_not_looked_at(over_a_hill: ReliefScene) -> None:
     cameras = {}
     for n, (name, camera) in enumerate(over_a_hill.cameras.items()):

@@ -1,0 +1,115 @@
+"""What is no part of the scene though it rests: it has the colours of what comes and goes before it.
+
+A hand that rests all through a pose is as steady as the patient. It is of the gloves and sleeves that pass beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import cv2
+import numpy as np
+from attrs import frozen
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter
+
+from mcsl_core.imaging.exposure import gain_between, levelled, small
+from mcsl_core.imaging.geometry import size_at_columns
+from mcsl_core.imaging.masks import Mask, resize_mask
+
+from ..aligned_views import Picture
+from ..steady import SteadyView
+
+_COLUMNS = 240  # of the pictures that are counted
+_SAMPLES = 12  # of a camera
+_SHAPE = (16, 32, 32)  # bins of L, a and b, smoothed by one: shading moves lightness, noise all three
+_PASSES = 16  # grey levels of 255 that a sample is off the steady picture where something passes
+_FOREIGN = 0.6  # odds from which a colour is foreign
+_MOST = 0.5  # of the field: where more would be foreign its colours tell nothing, as of bare hands
+_ROUNDS = 2  # what was found foreign is no part of the scene's colours
+
+
+def foreign_places(
+    samples: Sequence[Mapping[str, Picture | None]],
+    steady: Mapping[str, SteadyView],
+    fields: Mapping[str, Mask],
+) -> dict[str, Mask]:
+    """Where the steady pictures show what else comes and goes.
+
+    Parameters
+    ----------
+    samples : sequence of mapping of str to (h, w, 3) uint8 array or None
+        Moments of a pose: camera -> its picture.
+    steady : mapping of str to SteadyView
+        What each camera shows steadily over them.
+    fields : mapping of str to (h, w) bool array
+        Camera -> where it sees the surgical field, about; of any size. Its colours are the scene's.
+
+    Returns
+    -------
+    dict of str to (h, w) bool array
+        Camera -> where, of the size of its steady picture; nowhere where colours do not tell.
+    """
+    seen = {name: _Seen.of(view, [s.get(name) for s in samples], fields[name]) for name, view in steady.items()}
+    places = {name: np.zeros(own.bins.shape, bool) for name, own in seen.items()}
+    for _ in range(_ROUNDS):
+        whole, field, coming = (np.zeros(int(np.prod(_SHAPE))) for _ in range(3))
+        for name, own in seen.items():
+            whole += _counted(own.bins[own.steady & ~places[name]])
+            field += _counted(own.bins[own.field & ~places[name]])
+            coming += own.coming + _counted(own.bins[places[name]])
+        of_scene = np.maximum(_share(whole), _share(field))
+        odds = _share(coming) / (_share(coming) + of_scene + 1e-6)
+        places = {name: cv2.blur(odds[own.bins].astype(np.float32), (5, 5)) > _FOREIGN for name, own in seen.items()}
+        inside = sum(int(own.field.sum()) for own in seen.values())
+        if sum(int((places[n] & own.field).sum()) for n, own in seen.items()) > _MOST * max(inside, 1):
+            places = {name: np.zeros(own.bins.shape, bool) for name, own in seen.items()}
+            break
+    rims = {name: cv2.dilate(place.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0 for name, place in places.items()}
+    return {name: resize_mask(rims[name], view.steady.shape[::-1]) for name, view in steady.items()}
+
+
+@frozen(eq=False)
+class _Seen:
+    """bins: (h, w), the steady picture's colours. steady, field: (h, w). coming: how often what passes has which."""
+
+    bins: NDArray[np.int32]
+    steady: Mask
+    field: Mask
+    coming: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, view: SteadyView, samples: Sequence[Picture | None], field: Mask) -> _Seen:
+        size = size_at_columns(view.picture.shape[1::-1], _COLUMNS)
+        picture = _reduced(view.picture, size)
+        grey = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)
+        usual = small(view.picture)
+        shown = [sample for sample in samples if sample is not None]
+        coming = np.zeros(int(np.prod(_SHAPE)))
+        for sample in shown[:: max(1, len(shown) // _SAMPLES)]:
+            small_sample = _reduced(sample, size)
+            log = gain_between(small(sample), usual, np.ones(usual.shape[:2], bool))
+            now = levelled(small_sample, None if log is None else np.exp(log).astype(np.float32))
+            passes = cv2.absdiff(cv2.cvtColor(now, cv2.COLOR_BGR2GRAY), grey) > _PASSES
+            coming += _counted(_bins(now)[passes])
+        return cls(_bins(picture), resize_mask(view.steady, size), resize_mask(field, size), coming)
+
+
+def _reduced(picture: Picture, size: tuple[int, int]) -> Picture:
+    return cv2.resize(picture, size, interpolation=cv2.INTER_AREA)  # pyright: ignore[reportReturnType]
+
+
+def _bins(picture: Picture) -> NDArray[np.int32]:
+    """(h, w): the bin of every colour."""
+    lab = cv2.cvtColor(picture, cv2.COLOR_BGR2LAB)
+    light, a, b = (lab[..., channel].astype(np.int32) * bins // 256 for channel, bins in enumerate(_SHAPE))
+    return (light * _SHAPE[1] + a) * _SHAPE[2] + b
+
+
+def _counted(bins: NDArray[np.int32]) -> NDArray[np.float64]:
+    return np.bincount(bins.ravel(), minlength=int(np.prod(_SHAPE))).astype(np.float64)
+
+
+def _share(counted: NDArray[np.float64]) -> NDArray[np.float64]:
+    smooth = gaussian_filter(counted.reshape(_SHAPE), 1.0, mode="nearest").ravel()
+    return smooth / max(float(smooth.sum()), 1e-9)
