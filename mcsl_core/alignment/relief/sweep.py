@@ -32,10 +32,9 @@ _SCALE = 1.0  # of the plate's loss, working pixels
 _SURE = 0.08  # mean worth about a node that is half sure
 _ABOUT = 2.5  # nodes
 _DOUBT = 0.2  # share of the worth below which gamma goes over to the plane
-# Below the first share the plane is as near, from the second on the look goes by the relief wholly: there it is
-# off by 1.5 to 2 px rms of 960 where the plane is by 6.5, at 0.6 by 3 to 6 and 2 to 6. With the share itself for the
-# confidence the look lay 10 to 40 % of the way to the plane everywhere, and its median error was twice the relief's.
-_NOT_SURE, _ALL_SURE = 0.5, 0.75
+# Share below which the plane is as near. From half way to 1 on the look goes by the relief wholly: there it is off by
+# 1.5 to 2 px rms of 960 where the plane is by 6.5; at 0.6 by 3 to 6, and the plane by 2 to 6.
+_NOT_SURE = 0.5
 
 
 @frozen
@@ -102,7 +101,7 @@ class PlaneSweep:
         if len(served) < 2:
             return None
         share = _share_of_worth(found.worth)
-        confidence = np.clip((share - _NOT_SURE) / (_ALL_SURE - _NOT_SURE), 0, 1)
+        confidence = np.maximum(share - _NOT_SURE, 0) / (1 - _NOT_SURE)
         return ReliefSurface(found.gamma * np.minimum(1, share / _DOUBT), confidence, frozenset(served))
 
     def _start(self, scene: ReliefScene) -> Nodes:
