@@ -38,6 +38,9 @@ class ShortestPath:
     worth : ViewingWorth
         How much a covered field counts against one that is partly covered, and what else counts: sharpness, how finely
         a camera shows the field, how near it looks from where the reference camera does.
+    score_error : float
+        By so much of the field scores differ by chance. What a camera seems to show less than the best one counts as a
+        part of that, the less the nearer to it: d^2 / (d + ``score_error``). 0 believes every hundredth.
 
     Notes
     -----
@@ -47,6 +50,7 @@ class ShortestPath:
     min_shot_s: float = field(default=MIN_SHOT_S)
     switch_cost_s: float = field(default=0.5)
     worth: ViewingWorth = field(factory=ViewingWorth)
+    score_error: float = field(default=0.03)
     name = "shortest-path"
 
     def select(self, table: ScoreTable, *, frames: int, rate: Fraction) -> tuple[Shot, ...]:
@@ -59,7 +63,8 @@ class ShortestPath:
         """
         borders = sample_borders(table, frames)
         deductions = tuple(self.worth.deductions(table))
-        each = self.worth.of(table.seen_at(table.frames)) - sum(off for _, off in deductions)
+        seen = believed(table.seen_at(table.frames), table.usable, self.score_error)
+        each = self.worth.of(seen) - sum(off for _, off in deductions)
         value = np.where(table.usable, each, FORBIDDEN) * np.diff(borders)[:, None]
         total = np.vstack([np.zeros(value.shape[1]), np.cumsum(value, axis=0)])
         choice = _best_path(
@@ -132,6 +137,31 @@ class Fixed:
             raise UsageError(f"there is no camera {camera!r}", remedy=f"Choose one of {', '.join(table.cameras)}")
         choice = np.full(len(table.frames), table.cameras.index(camera), np.int64)
         return shots_from(choice, table, sample_borders(table, frames), "the camera asked for")
+
+
+def believed(visible: NDArray[np.float64], usable: NDArray[np.bool_], error: float) -> NDArray[np.float64]:
+    """What cameras may be taken to see, where small differences between them may be chance.
+
+    Parameters
+    ----------
+    visible : (S, C) float array
+        Visible share of the field.
+    usable : (S, C) bool array
+        The best camera is one of these.
+    error : float
+        By so much scores differ by chance; 0 changes nothing.
+
+    Returns
+    -------
+    (S, C) float array
+        Nearer to the best camera of the sample, in the same order. What differs by much more than ``error`` comes
+        nearer by that; what differs by less differs by next to nothing.
+    """
+    if not visible.size:
+        return visible
+    best = np.where(usable, visible, 0.0).max(axis=1, keepdims=True)
+    less = np.maximum(best - visible, 0)
+    return np.where(less > 0, best - less**2 / (less + error + 1e-12), visible)
 
 
 def sample_borders(table: ScoreTable, frames: int) -> NDArray[np.int64]:
