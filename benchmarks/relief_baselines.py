@@ -1,7 +1,7 @@
 """What others do with the matches that the relief is found by: as-projective-as-possible warps, thin-plate splines.
 
 Both lay each camera's picture over the reference's by the matches of that pair alone; and later poses over the one that
-began the perspective, by matches of the reference's own views. Lengths within are pixels at `WIDTH` px width.
+began the perspective, by matches of every camera's own views then and now.
 
 References
 ----------

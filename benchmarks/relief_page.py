@@ -85,10 +85,10 @@ def _pooled(found: Figures) -> list[str]:
         "Plane: the analysis's homographies. Best plane: the single one that fits the truth best. APAP "
         "(as-projective-as-possible, Zaragoza et al. 2013) and spline (thin-plate, SciPy's): by the very matches of "
         "each camera with the reference that the relief's cameras are solved from, those within "
-        f"{CONSENSUS:.0%} of the width of their plane; poses after the first over it by matches of the reference's own "
-        f"views. APAP: sigma {SIGMA_PX:g} px at {WIDTH}, floor {FLOOR:g}. Spline: over what the homography leaves, "
-        f"smoothing {STIFFNESS:g} in half widths. Flow: pairwise, between medians, as the fill bends what has no "
-        "relief. Surface: the programme's, by its relief.",
+        f"{CONSENSUS:.0%} of the width of their plane; poses after the first over it by matches of every camera's own "
+        f"views then and now. APAP: sigma {SIGMA_PX:g} px at {WIDTH}, floor {FLOOR:g}. Spline: over what the "
+        f"homography leaves, smoothing {STIFFNESS:g} in half widths. Flow: pairwise, between medians, as the fill "
+        "bends what has no relief. Surface: the programme's, by its relief.",
         "",
         table(["", *WAYS, "goal", "views worse than their plane (rms)"], rows),
     ]
