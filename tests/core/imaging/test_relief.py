@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import attrs
+import cv2
 import numpy as np
 import pytest
 import relief_scene as scene
@@ -10,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mcsl_core.edl import Relief
-from mcsl_core.imaging.geometry import depths, inverse, transform_points, translation
+from mcsl_core.imaging.geometry import depths, inverse, project, transform_points, translation
 from mcsl_core.imaging.rect import Rect
 from mcsl_core.imaging.relief import STEEPEST, Placement, ReliefMap, surface_field
 from mcsl_core.imaging.warp import warp_field_maps
@@ -117,6 +118,16 @@ def test_nothing_is_stretched_beyond_the_bound(height):
     assert stretch.max() <= 1 + STEEPEST + 1e-3
 
 
+def test_a_relief_that_is_wild_on_one_side_holds_on_the_other() -> None:
+    noise = np.random.default_rng(1).normal(0, 1, (108, 192)).astype(np.float32)
+    wild = cv2.GaussianBlur(noise, (0, 0), 12)
+    gamma = np.where(np.arange(192) < 120, 400 * wild / np.abs(wild).max(), 12).astype(np.float32)
+    field = surface_field(ReliefMap(gamma, np.ones_like(gamma), SIZE), scene.PROJECTION, PLANE)
+    at = np.column_stack([np.linspace(800, 940, 20), np.linspace(60, 500, 20)])
+    there = project(scene.PROJECTION, np.column_stack([at, np.full(20, 12.0)]))
+    assert np.abs(Placement(PLANE, field).to_camera(at) - there).max() < 0.1
+
+
 def test_points_and_pictures_are_laid_alike():
     laid = place(offset=(13.4, -6.2))
     maps = warp_field_maps(laid.matrix, laid.field, Rect(0, 0, *SIZE), laid.offset)
@@ -134,5 +145,5 @@ def test_what_lies_behind_a_camera_has_no_place():
     laid = Placement(PLANE, surface_field(relief_of(), behind, PLANE))
     off = np.linalg.norm(laid.to_camera(at) - Placement(PLANE).to_camera(at), axis=1)
     assert (depths(behind, np.column_stack([at, gamma])) < 0).sum() > 100
-    assert off[gamma > 5].max() < 0.01
+    assert off[gamma > 5].max() < 0.05
     assert np.isnan(place().to_camera(np.array([[np.nan, 3.0]]))).any()
