@@ -1,39 +1,48 @@
-"""Where the surgical field lies, by several voices: what all cameras aim at, the colours that are there and not farther
-out, what stays where hands come and go, and the field's hue as one of them. Where they do not agree nothing is claimed.
+"""Where the surgical field lies, by several voices: what all cameras aim at, the colours that are there and not beside
+it or farther out, what comes and goes above it, and that drapes leave a convex opening. Where they do not agree nothing
+is claimed.
 
-Pictures and masks are in aligned pixels, small ones (240 columns): (H, W, 3) uint8 BGR, and (H, W).
+Pictures and masks are in aligned pixels, small ones (240 columns): (H, W, 3) Lab as OpenCV scales it, and (H, W).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import cv2
 import numpy as np
-from attrs import frozen
+from attrs import field, frozen
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
+from mcsl_core.imaging.convex import convex_region
 from mcsl_core.imaging.geometry import transform_points
 from mcsl_core.imaging.masks import Mask, close_gaps, convex_hull, hue_mask, main_region
 
-from .aligned_views import AlignedPose, AlignedView, Picture
+from .aligned_views import AlignedPose, Picture
 from .field import modal_picture
 
 Float = NDArray[np.float32]
 _REACH = 0.3  # of a picture's width: how fast a camera's aim falls off from its middle
-_AIMED = 0.68  # of the highest aim: simulated fields reach down to 0.61 to 0.92 of it with all but a hundredth
-_FAR = 0.5  # of the highest aim: what lies below is not the field
-_BUSY = 14  # levels of 255 that a pixel is off its own median half of the time: hands at work
-_LARGEST = 0.35  # of the picture: drapes of the field's hue
+_FAR = 0.5  # of the highest aim: the colours below are not the field's
+_AIMED = 0.67  # of the highest aim: what lies below is not the field; simulated ones hold a hundredth of it there
+_MIDDLE, _BY_AIM = 0.75, 0.4  # of the highest aim: what lies above is rather the field, by that much log odds
+_SEEDS = (0.97, 0.9)  # of the highest aim: the colours above it are the field's at first; a narrow field ends there
+_ROUNDS = 5  # of colours and region, each by the other; more changed nothing
+_SETTLED = 0.985  # overlap of a region with that of the round before
+_BESIDE = 16.0  # how much a pixel beside the field counts against one far out: lamps light the drapes there alike
+_ROOM = 0.35  # of the field's size: how far what is beside it reaches
+_CERTAIN = 3.0  # log odds of a colour at most
+_OFF = (32, 16)  # levels of lightness and of colour between a passer-by and what is usually seen there
+_A_HAND, _LEAST_SAID = 0.55, 0.2  # the share of passers-by from which on a colour is a hand's; what it still says
+_LARGEST = 0.35  # of the picture: drapes that are taken for the field
 _EDGE = 10  # levels of Lab between the two sides of an outline that is one
-_SURE = 0.4  # least agreement at which a field is claimed; those of 25 tuning recordings lie at 0.49 to 0.83, one 0.33
-# The field's hue is heard before other colours from this agreement on: where it shows the field it had 0.51 and more,
-# where not (near-black skin, a narrow field, brown drapes) 0.37 and less.
-_BY_HUE = 0.45
-_BUMP, _BAY = 0.2, 0.5  # of the field's size: what of its outline is a finger or a strap's end, or a hand's bite
-_NEAR = ((0.7, 1.2), (0.7, 4.0), (0.9, 1.2), (0.9, 4.0))  # from which aim on colours are the field's; blur in lightness
-_BINS = 26
+_SURE = 0.4  # least agreement at which a field is claimed by its hue
+# Below this agreement colours hardly part the field from what is beside it, and its hue alone is heard: right fields of
+# tuning scenes have 0.73 to 0.91, a photograph's pale skin over drapes in shade 0.64 and 0.67, drapes alone 0.67.
+_CLEAR = 0.7
+_BUMP, _BAY = 0.2, 0.5  # of the size of a field by hue: what of its outline is a strap's end, or a hand's bite
+_BINS = 26  # a side of the colour cube
 
 
 @frozen(eq=False)
@@ -51,21 +60,33 @@ class Evidence:
     Attributes
     ----------
     picture : (H, W, 3) uint8 array
-        The modal picture.
+        What is usually seen, coarsely: BGR.
+    lab : (H, W, 3) float array
+        The same, finely.
     aim : (H, W) float array
         What all cameras aim at; see `aim_of`.
-    busy : (H, W) bool array
-        Where hands come and go; see `busy_places`.
+    hands : (_BINS**3,) float array
+        Of every colour, how much of it comes and goes, 0..1; see `_bins`.
     """
 
     picture: Picture
+    lab: Float
     aim: Float
-    busy: Mask
+    hands: NDArray[np.float64]
+    bins: NDArray[np.int64] = field(init=False)
+    said: Float = field(init=False)
+    """How much every pixel's colour says, 0..1: little where it is a hand's, which rests there or has worked there."""
+
+    def __attrs_post_init__(self) -> None:
+        bins = _bins(cv2.GaussianBlur(self.lab, (0, 0), 0.7))
+        said = np.clip((_A_HAND - self.hands[bins]) / 0.2, _LEAST_SAID, 1).astype(np.float32)
+        object.__setattr__(self, "bins", bins)
+        object.__setattr__(self, "said", said)
 
     @property
-    def within(self) -> Mask:
-        """Where the cameras aim at most."""
-        return self.aim > _AIMED * self.aim.max()
+    def share(self) -> Float:
+        """The aim over its highest."""
+        return self.aim / max(float(self.aim.max()), 1e-6)
 
 
 def aim_of(aligned: AlignedPose) -> Float:
@@ -82,25 +103,39 @@ def aim_of(aligned: AlignedPose) -> Float:
     return (total / max(len(aligned.homographies), 1)).reshape(height, width).astype(np.float32)
 
 
-def busy_places(samples: Iterable[Sequence[AlignedView]], size: tuple[int, int]) -> Mask:
-    """Where hands come and go in most of the cameras, half of the time; ``size``: width and height."""
-    pictures: dict[str, list[Picture]] = {}
-    inside: dict[str, Mask] = {}
-    for views in samples:
-        for view in views:
-            pictures.setdefault(view.camera, []).append(view.aligned)
-            inside[view.camera] = view.inside
-    if not pictures:
-        return np.zeros((size[1], size[0]), bool)
-    off = []
-    for name, own in pictures.items():
-        stack = np.stack(own).astype(np.int16)
-        middle = np.median(stack, axis=0).astype(np.int16)
-        off.append(np.where(inside[name], np.median(np.abs(stack - middle).max(axis=3), axis=0), np.inf))
-    ranked = np.sort(np.stack(off), axis=0)
-    seen = np.isfinite(ranked).sum(axis=0)
-    median = np.take_along_axis(ranked, np.maximum(seen - 1, 0)[None] // 2, axis=0)[0]
-    return np.isfinite(median) & (median > _BUSY)
+def gather(aligned: AlignedPose, samples: Sequence[Mapping[str, Picture | None]]) -> Evidence:
+    """What is usually seen, and of every colour how much of it passes by.
+
+    Parameters
+    ----------
+    aligned : AlignedPose
+        How the cameras lie.
+    samples : sequence of mapping of str to (h, w, 3) uint8 array or None
+        Per sample, camera -> its picture, BGR.
+
+    Returns
+    -------
+    Evidence
+        A glove that rests somewhere all the time has the colour of those that work.
+    """
+    picture = modal_picture(aligned, samples)
+    usual = cv2.cvtColor(picture, cv2.COLOR_BGR2LAB).astype(np.int16)
+    total, count = np.zeros(usual.shape, np.float32), np.zeros(usual.shape[:2], np.float32)
+    passing, staying = np.zeros(_BINS**3), np.zeros(_BINS**3)
+    for pictures in samples[:: max(1, len(samples) // 20)]:
+        for view in aligned.views(pictures):
+            lab = cv2.cvtColor(cv2.GaussianBlur(view.aligned, (0, 0), 0.7), cv2.COLOR_BGR2LAB).astype(np.int16)
+            light, colour = np.abs(lab - usual)[..., 0], np.abs(lab - usual)[..., 1:].max(axis=2)
+            off = (light > _OFF[0]) | (colour > _OFF[1])
+            near = view.inside & (light <= 0.75 * _OFF[0]) & (colour <= 0.75 * _OFF[1])
+            bins = _bins(lab)
+            passing += np.bincount(bins[view.inside & off], minlength=_BINS**3)
+            staying += np.bincount(bins[view.inside & ~off], minlength=_BINS**3)
+            total += lab * near[..., None]
+            count += near
+    mean = np.where(count[..., None] > 0, total / np.maximum(count, 1)[..., None], usual).astype(np.float32)
+    passing, staying = _smooth(passing, 1.5), _smooth(staying, 1.5)
+    return Evidence(picture, mean, aim_of(aligned), passing / (passing + staying + 1e-9))
 
 
 def find_field(aligned: AlignedPose, samples: Sequence[Mapping[str, Picture | None]]) -> Mask:
@@ -116,34 +151,31 @@ def find_field(aligned: AlignedPose, samples: Sequence[Mapping[str, Picture | No
     Returns
     -------
     (H, W) bool array
-        Empty where the voices do not agree on one.
-
-    Notes
-    -----
-    Intersection over union with the true field over 16 recordings, one of them a photograph's, with the true alignment:
-    0.80 in the mean, 0.59 at worst (brown drapes); by hue alone 0.60 and 0.15.
+        Convex, unless the hue alone shows it; empty where the voices do not agree on one.
     """
-    busy = busy_places((aligned.views(pictures) for pictures in samples[:: max(1, len(samples) // 20)]), aligned.size)
-    return field_by_voices(Evidence(modal_picture(aligned, samples), aim_of(aligned), busy)).mask
+    return field_by_voices(gather(aligned, samples)).mask
 
 
 def field_by_voices(evidence: Evidence) -> FoundField:
     """The field that most speaks for; empty where too little does."""
-    within = evidence.within
-    best = _judged(_at_the_aim(hue_mask(evidence.picture) > 0, evidence) & within, evidence)
-    if best.agreement < _BY_HUE:
-        for near, blur in _NEAR:
-            mask = _at_the_aim(_own_colours(evidence, near, blur), evidence)
-            if mask.any():  # hands bite into what their colours leave
-                mask = close_gaps(mask | (convex_hull(mask) & evidence.busy), gap=0.02) & within
-            best = max(best, _judged(mask, evidence), key=lambda found: found.agreement)
-    if best.agreement < _SURE:
-        return FoundField(np.zeros(within.shape, bool), best.agreement)
-    return FoundField(_rounded(best.mask), best.agreement)
+    found = (_judged(_region(evidence, seed), evidence) for seed in _SEEDS)
+    best = max(found, key=lambda one: one.agreement)
+    if best.agreement >= _CLEAR:
+        return best
+    hue = _judged(_by_hue(evidence), evidence)
+    return hue if hue.agreement >= _SURE else FoundField(np.zeros_like(best.mask), hue.agreement)
 
 
-def _rounded(mask: Mask) -> Mask:
-    """The mask without bumps, its bays filled."""
+def _by_hue(evidence: Evidence) -> Mask:
+    """The region of the field's hue that most of the aim lies in, without bumps, its gaps and bays filled."""
+    aim = evidence.share
+    hue = hue_mask(evidence.picture) > 0
+    count, labels = cv2.connectedComponents(main_region(hue, least=0.002).astype(np.uint8))
+    weight = np.bincount(labels.ravel(), np.clip(aim - 0.7, 0, 1).ravel(), count)
+    weight[0] = 0
+    if not weight.any():
+        return np.zeros(aim.shape, bool)
+    mask = close_gaps(labels == weight.argmax(), gap=0.04) & (aim > _AIMED)
     size = float(np.sqrt(mask.sum()))
     bump = max(3, round(_BUMP * size) | 1)
     disk = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (bump, bump))
@@ -151,62 +183,85 @@ def _rounded(mask: Mask) -> Mask:
     return close_gaps(opened, gap=_BAY * size / mask.shape[1])
 
 
-def _own_colours(evidence: Evidence, near: float, blur: float) -> Mask:
-    """Where the colours are those at the aim, not those farther out. blur: in lightness, as lamps light unevenly."""
-    lab = cv2.cvtColor(cv2.GaussianBlur(evidence.picture, (0, 0), 1), cv2.COLOR_BGR2LAB).astype(np.float32)
-    steps = np.stack([lab[..., 0] / 10, (lab[..., 1] - 64) / 5, (lab[..., 2] - 64) / 5], axis=2)
-    light, a, b = np.moveaxis(np.clip(np.round(steps), 0, _BINS - 1).astype(int), 2, 0)
-    bins = (light * _BINS + a) * _BINS + b
-    aim = evidence.aim / evidence.aim.max()
-
-    def share(weight: NDArray) -> NDArray[np.float64]:
-        counted = np.bincount(bins.ravel(), weight.ravel().astype(float), _BINS**3).reshape(_BINS, _BINS, _BINS)
-        smooth = gaussian_filter(counted, (blur, 1.2, 1.2))
-        return smooth.ravel() / max(smooth.sum(), 1e-9)
-
-    still = ~evidence.busy
-    own = share(np.clip((aim - near) / (1 - near), 0, 1) * still)
-    other = share((aim < _FAR) & (evidence.aim > 0.02) & still)
-    odds = (own / (own + other + 1e-7))[bins].astype(np.float32)
-    return (cv2.GaussianBlur(odds, (0, 0), 1.2) > 0.6) & still
+def _region(evidence: Evidence, seed: float) -> Mask:
+    """The field, begun by the colours at an aim above ``seed``: colours and region by turns, each by the other."""
+    aim, said = evidence.share, evidence.said
+    far = (aim < _FAR) & (evidence.aim > 0.02)
+    prior = _BY_AIM * np.clip((aim - _MIDDLE) / 0.15, -1, 1) - _CERTAIN * (aim < _AIMED)
+    own, other = np.clip((aim - seed) / (1 - seed), 0, 1), far.astype(np.float32)
+    region = np.zeros(aim.shape, bool)
+    for _ in range(_ROUNDS):
+        odds = _log_odds(evidence.bins, own * said, other * said) * said
+        worth = np.asarray(cv2.GaussianBlur((odds + prior).astype(np.float32), (0, 0), 0.8), np.float32)
+        before, region = region, convex_region(worth, _outermost(worth, aim))
+        if (before & region).sum() > _SETTLED * (before | region).sum():
+            break
+        own = cv2.erode(region.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(np.float32)
+        other = far + _BESIDE * _beside(region)
+    return region
 
 
-def _at_the_aim(mask: Mask, evidence: Evidence) -> Mask:
-    """The region of a mask that most of the aim lies in, its gaps closed."""
-    count, labels = cv2.connectedComponents(main_region(mask, least=0.002).astype(np.uint8))
-    if count < 2:
-        return np.zeros(mask.shape, bool)
-    weight = np.clip(evidence.aim / evidence.aim.max() - 0.7, 0, 1)
-    best = max(range(1, count), key=lambda label: float(weight[labels == label].sum()))
-    return close_gaps(labels == best, gap=0.04)
+def _outermost(worth: Float, aim: Float) -> Mask:
+    """The hull of what is worth something about the aim: no part of the field lies outside, straps and hands inside."""
+    disk = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (5, 5))
+    count, labels = cv2.connectedComponents(cv2.morphologyEx((worth > 0.3).astype(np.uint8), cv2.MORPH_OPEN, disk))
+    weight = np.bincount(labels.ravel(), np.clip(aim - 0.7, 0, 1).ravel(), count)
+    weight[0] = 0
+    return convex_hull(np.isin(labels, np.flatnonzero(weight > 0.25 * weight.max()))) if weight.any() else aim > 0.9
+
+
+def _beside(region: Mask) -> Float:
+    """1 near a region, but for its very edge."""
+    reach = max(3, int(_ROOM * np.sqrt(region.sum())))
+    own = region.astype(np.uint8)
+    disk = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
+    return (cv2.dilate(own, disk) - cv2.dilate(own, np.ones((3, 3), np.uint8))).astype(np.float32)
+
+
+def _log_odds(bins: NDArray[np.int64], own: Float, other: Float) -> Float:
+    """How much every pixel's colour is rather one of ``own`` than of ``other``."""
+
+    def share(weight: Float) -> NDArray[np.float64]:
+        counted = _smooth(np.bincount(bins.ravel(), weight.ravel().astype(np.float64), _BINS**3), 2.0)
+        return counted / max(counted.sum(), 1e-9)
+
+    odds = np.log((share(own) + 1e-5) / (share(other) + 1e-5))
+    return np.clip(odds, -_CERTAIN, _CERTAIN)[bins].astype(np.float32)
+
+
+def _bins(lab: NDArray) -> NDArray[np.int64]:
+    """Lightness in steps of 10, a and b in steps of 5 about grey."""
+    steps = np.round((lab - np.array([0, 64, 64], np.float32)) / np.array([10, 5, 5], np.float32))
+    light, a, b = np.moveaxis(np.clip(steps, 0, _BINS - 1).astype(np.int64), 2, 0)
+    return (light * _BINS + a) * _BINS + b
+
+
+def _smooth(counts: NDArray, light: float) -> NDArray[np.float64]:
+    """Counts of colours, blurred; in lightness by ``light`` steps, as lamps light unevenly."""
+    return gaussian_filter(counts.reshape(_BINS, _BINS, _BINS), (light, 1.0, 1.0)).ravel()
 
 
 def _judged(mask: Mask, evidence: Evidence) -> FoundField:
-    """How well a mask agrees with the aim, with edges in the picture, and with itself as one region: the product."""
+    """How well a mask agrees with the aim and with edges in the picture: the product."""
     area = int(mask.sum())
     if not 0 < area <= _LARGEST * mask.size:
         return FoundField(mask, 0.0)
     aim = evidence.aim
     disk = aim >= np.partition(aim.ravel(), -area)[-area]  # as large as the mask, in the middle of the aim
-    aimed = (mask & disk).sum() / area
-    return FoundField(mask, float(aimed * _edges(mask, evidence) * area / convex_hull(mask).sum()))
+    return FoundField(mask, float((mask & disk).sum() / area * _edges(mask, evidence.lab)))
 
 
-def _edges(mask: Mask, evidence: Evidence) -> float:
-    """The share of an outline at which the colour changes; nothing is asked where hands work or the aim ends."""
+def _edges(mask: Mask, lab: Float) -> float:
+    """The share of an outline at which the colour changes."""
     around = np.ones((3, 3), np.uint8)
-    own, within = mask.astype(np.uint8), evidence.within.astype(np.uint8)
+    own = mask.astype(np.uint8)
     line = cv2.dilate(own, around) != cv2.erode(own, around)
-    limit = cv2.dilate((cv2.dilate(within, around) != cv2.erode(within, around)).astype(np.uint8), around, iterations=2)
-    lab = cv2.cvtColor(evidence.picture, cv2.COLOR_BGR2LAB).astype(np.float32)
     inner, near_inner = _mean_beside(lab, cv2.erode(own, around, iterations=2))
     outer, near_outer = _mean_beside(lab, 1 - cv2.dilate(own, around, iterations=2))
-    free = line & (limit == 0)
-    asked = free & near_inner & near_outer & (cv2.dilate(evidence.busy.astype(np.uint8), around) == 0)
+    asked = line & near_inner & near_outer
     if asked.sum() < 20:
         return 0.0
-    natural = min(1.0, free.sum() / line.sum() / 0.35)
-    return float(natural * (np.linalg.norm(inner - outer, axis=2)[asked] > _EDGE).mean())
+    return float((np.linalg.norm(inner - outer, axis=2)[asked] > _EDGE).mean())
 
 
 def _mean_beside(lab: Float, side: NDArray) -> tuple[Float, Mask]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
+import pytest
 
 from mcsl_core.alignment.aligned_views import AlignedPose
 from mcsl_core.alignment.field import modal_picture, shared_aim
@@ -47,6 +48,42 @@ def overlap(mask: np.ndarray) -> float:
 def test_the_field_is_found_under_gloves_of_any_colour() -> None:
     for glove in ((200, 90, 40), (235, 235, 235), (100, 130, 210)):  # blue, white, the skin's own
         assert overlap(find_field(aligned(), [*samples(40, glove)])) > 0.85, glove
+
+
+def scene(skin: tuple[int, int, int], drape: tuple[int, int, int]):
+    """A wound in skin in drapes, lit brightest in the middle; white gloves that work, and one that rests on a side."""
+    rng = np.random.default_rng(5)
+    y, x = np.mgrid[: SIZE[1], : SIZE[0]]
+    light = (0.5 + 0.6 * np.exp(-((x - 120) ** 2 + (y - 70) ** 2) / (2 * 70.0**2)))[..., None]
+    for sample in range(24):
+        pictures = {}
+        for number in range(3):
+            picture = np.full((SIZE[1], SIZE[0], 3), drape, np.float32)
+            picture[FIELD] = skin
+            cv2.ellipse(picture, (120, 70), (20, 8), 0, 0, 360, (25, 25, 90), -1)
+            cv2.rectangle(picture, (100, 78), (118, 135), (235, 235, 235), -1)
+            if (sample + number) % 3 == 0:
+                at = (int(rng.integers(20, 220)), int(rng.integers(10, 125)))
+                cv2.ellipse(picture, at, (35, 18), float(rng.uniform(0, 180)), 0, 360, (235, 235, 235), -1)
+            shown = picture * light + rng.normal(0, 3, picture.shape)
+            pictures[f"cam{number + 1}"] = np.clip(shown, 0, 255).astype(np.uint8)
+        yield pictures
+
+
+@pytest.mark.parametrize(
+    ("skin", "drape"),
+    [
+        ((28, 30, 36), (60, 130, 50)),  # nearly black, in green: the wound alone has the field's hue
+        ((130, 160, 215), (60, 92, 128)),  # light, in brown: all has it
+        ((28, 30, 36), (60, 92, 128)),  # nearly black, in brown
+        ((70, 95, 135), (170, 120, 60)),  # brown, in blue
+    ],
+)
+def test_the_field_is_told_from_drapes_by_its_own_colours(
+    skin: tuple[int, int, int], drape: tuple[int, int, int]
+) -> None:
+    found = find_field(aligned(), [*scene(skin, drape)])
+    assert overlap(found) > 0.8
 
 
 def test_what_is_usually_seen_is_coarse_but_right() -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mcsl_core.alignment.aligned_views import AlignedPose
-from mcsl_core.alignment.field_voices import Evidence, aim_of, busy_places, field_by_voices
+from mcsl_core.alignment.field_voices import aim_of, field_by_voices, gather
 
 SIZE = (240, 136)
 FIELD = (slice(42, 96), slice(78, 164))
@@ -40,9 +40,9 @@ def picture(field, drape, seed: int = 0) -> np.ndarray:
     return np.clip(made * lamp[..., None] + folds[..., None] + rng.normal(0, 2, made.shape), 0, 255).astype(np.uint8)
 
 
-def found(shown: np.ndarray, busy: np.ndarray | None = None) -> np.ndarray:
-    nothing = np.zeros(shown.shape[:2], bool)
-    return field_by_voices(Evidence(shown, aim_of(aligned(0)), nothing if busy is None else busy)).mask
+def found(*shown: np.ndarray) -> np.ndarray:
+    pose = aligned(0)
+    return field_by_voices(gather(pose, [dict.fromkeys(NAMES, one) for one in shown])).mask
 
 
 def overlap(mask: np.ndarray) -> float:
@@ -70,20 +70,19 @@ def test_none_is_claimed_where_nothing_shows_one(drape) -> None:
     assert not found(picture(drape, drape)).any()
 
 
-def test_hands_that_come_and_go_are_busy_and_their_bite_is_filled() -> None:
-    pose, rng = aligned(0), np.random.default_rng(1)
+def test_colours_that_come_and_go_say_little_and_their_bite_is_filled() -> None:
+    pose, rng, glove = aligned(0), np.random.default_rng(1), (200, 205, 210)
     samples = []
     for at in range(20):
         shown = {name: picture(BLACK, GREEN, 3 * at + i) for i, name in enumerate(NAMES)}
         for own in shown.values():
-            cv2.circle(own, (160, 100), 26, tuple(int(v) for v in rng.integers(60, 255, 3)), -1)
-        samples.append(pose.views(shown))
-    busy = busy_places(samples, SIZE)
-    assert busy[100, 160]
-    assert not busy[60, 100]
-    shown = picture(BLACK, GREEN)
-    cv2.circle(shown, (160, 100), 26, (200, 200, 200), -1)
-    assert overlap(found(shown, busy)) > 0.75
+            cv2.circle(own, (160, 100), 26, glove, -1)
+            cv2.circle(own, (int(rng.integers(20, 220)), int(rng.integers(10, 125))), 34, glove, -1)
+        samples.append(shown)
+    evidence = gather(pose, samples)
+    assert evidence.said[100, 165] < evidence.said[55, 100], "it rests, but the others of its colour work"
+    assert evidence.said[55, 100] > 0.9
+    assert overlap(field_by_voices(evidence).mask) > 0.75
 
 
 def test_cameras_aim_where_the_middles_of_their_pictures_meet() -> None:
