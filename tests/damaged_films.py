@@ -15,7 +15,8 @@ _OPTIONS = {
     "libx265": {"preset": "ultrafast", "crf": "1", "x265-params": "log-level=none:bframes=2"},
     "mpeg4": {"b": "8M", "qmin": "1"},
     "mpeg2video": {"b": "20M", "maxrate": "40M", "bufsize": "8M"},
-    "libsvtav1": {"preset": "10", "crf": "8", "svtav1-params": "keyint=30"},
+    # One level of parallelism: of many threads it once stood still for ever, and once gave a packet that was refused.
+    "libsvtav1": {"preset": "10", "crf": "8", "svtav1-params": "keyint=30:lp=1"},
     "libvpx-vp9": {"deadline": "realtime", "cpu-used": "8", "b": "6M", "minrate": "4M"},
 }
 

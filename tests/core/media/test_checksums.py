@@ -18,14 +18,9 @@ def spans(path):
     return [(round(d.start_s * 30), round(d.stop_s * 30)) for d in find_damage(probe(path))]
 
 
-@pytest.mark.parametrize("codec", ["libx264", "libx265", "libsvtav1", "mpeg4"])
+@pytest.mark.parametrize("codec", ["libx264", "libx265", "libvpx-vp9", "mpeg4"])
 def test_one_changed_byte_is_a_gap_of_its_cluster(tmp_path, codec):
-    try:
-        path = write_film(tmp_path, "a.mkv", codec)
-    except av.error.ArgumentError as error:
-        if codec != "libsvtav1":  # once in some 200 films Matroska refused a packet of this encoder; why is not known
-            raise
-        pytest.skip(f"the film could not be written: {error}")
+    path = write_film(tmp_path, "a.mkv", codec)
     assert spans(path) == []
     damaged(path, place_of(path, 100) + 90, noise(1))
     ((start, stop),) = spans(path)

@@ -113,7 +113,7 @@ def test_only_pictures_and_sound_are_left(tmp_path, suffix, codec, audio, pixel_
         (".mov", Encoding(codec="prores_ks", options={}, pixel_format="yuv422p10le"), "pcm_s16le"),
         (".mkv", Encoding(codec="ffv1", options={}), "flac"),
         (".mkv", Encoding(codec="libvpx-vp9", options={"cpu-used": "8"}), "libopus"),
-        (".mp4", Encoding(codec="libsvtav1", options={"preset": "12"}), "aac"),
+        (".mp4", Encoding(codec="libsvtav1", options={"preset": "12", "svtav1-params": "lp=1"}), "aac"),
         (".mkv", Encoding(codec="libx265", options={"preset": "ultrafast"}), "aac"),
     ],
 )
