@@ -30,6 +30,7 @@ _LEAST = 150  # matches of a camera: with fewer it spoils itself and the others
 # Of 20 points and more that others agree on, cameras that were tied saw 0.83 and more where those said (0.97 as a
 # rule); where a head before the reference had tied them by chance there were no such points, or 0.57 to 0.67.
 _JUDGED, _RIGHT = 20, 0.75
+_RATHER = 0.6  # laid by planes 20 px off, a limb's cameras saw 0.70 there; by the relief found so they are judged again
 _SURE = 600  # matches of a camera that the rig has nothing to tell about
 _PLENTY = 1200  # with fewer its single samples are matched as well
 _SAMPLES = 12
@@ -99,7 +100,8 @@ def relief_cameras(
     to_views = scaling(views.sizes[views.reference], views.size)
     planes = pixels_of(views.size)
     laid = {n: transform_points(inverse(to_views @ homographies[n]), planes) for n in names}
-    found = _solved(_matched(views, laid, _BY_PLANE), names, views, homographies)
+    by_plane = _matched(views, laid, _BY_PLANE)
+    found = _solved(by_plane, names, views, homographies, _RATHER)
     if found is None:
         return None
     told = list(found[0].projections)
@@ -110,7 +112,9 @@ def relief_cameras(
             best = again
         if best is not None and len(best[0].projections) == len(told):
             break
-    found = best or found
+    found = best or _solved(by_plane, names, views, homographies)
+    if found is None:
+        return None
     return _by_rig(*found, rig, views) if rig else found[0]
 
 
@@ -215,7 +219,7 @@ def _joined(first: Correspondences, second: Correspondences) -> Correspondences:
 
 
 def _solved(
-    found: _Matches, names: Sequence[str], views: Views, homographies: Mapping[str, Array]
+    found: _Matches, names: Sequence[str], views: Views, homographies: Mapping[str, Array], least: float = _RIGHT
 ) -> tuple[ReliefCameras, Pairs] | None:
     """By those cameras that share enough with the others."""
     names = list(names)
@@ -226,7 +230,7 @@ def _solved(
         if counted[poorest] >= _LEAST:
             projections = solve_cameras(tracks, homographies, views.sizes)
             right = confirmed(tracks, projections, views.sizes) if len(names) > 2 else {}
-            wrong = [n for n, (judged, share) in right.items() if judged < _JUDGED or share < _RIGHT]
+            wrong = [n for n, (judged, share) in right.items() if judged < _JUDGED or share < least]
             if not wrong:
                 break
             if len(names) == 3:  # of two cameras that are left nobody could say which is right
