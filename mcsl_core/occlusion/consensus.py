@@ -81,19 +81,19 @@ class Consensus:
             even = [_lab(levelled(part, changed(level.gain(whole), _UNCHANGED))) for whole, part in own]
             pictures[name] = np.stack(even)
         inside = {name: cut.mask(mask) for name, mask in inside.items()}
-        field = cut.mask(aligned.field)
+        in_field = cut.mask(aligned.field)
         appearances = {n: appearances_of(p, self.candidates, self.tolerance) for n, p in pictures.items()}
         gains = self._gains(appearances, inside) if appearances else {}
         background = self._agreed(appearances, inside, gains)
         alike = {n: [_recoloured(picture, gains[n]) for picture in own] for n, own in pictures.items()}
-        foreign = foreign_background(self._views(background, pictures, alike, gains, inside), field)
+        foreign = foreign_background(self._views(background, pictures, alike, gains, inside), in_field)
         for _ in range(self.rounds):
             likely = {n: np.stack([foreign.likely(picture) for picture in own]) for n, own in alike.items()}
             appearances = {
                 n: appearances_of(p, self.candidates, self.tolerance, likely[n]) for n, p in pictures.items()
             }
             background = self._agreed(appearances, inside, gains)
-            foreign = foreign_background(self._views(background, pictures, alike, gains, inside), field)
+            foreign = foreign_background(self._views(background, pictures, alike, gains, inside), in_field)
         return ConsensusScorer(aligned.field, cut, background, exposure, self.different, gains, foreign)
 
     def _views(
