@@ -10,6 +10,7 @@ from attrs import frozen
 from scipy.optimize import least_squares
 
 from mcsl_core.imaging.geometry import Array, project, scaling, size_at_columns, transform_points
+from mcsl_core.imaging.masks import Mask
 from mcsl_core.imaging.relief import between_nodes
 
 from ..dense_matching import AlignedCamera, DenseSettings, match_densely, pixels_of
@@ -19,7 +20,8 @@ from .protocol import ReliefCamera, ReliefScene, ReliefSurface
 _SETTINGS = (DenseSettings(grid_px=6, other_hue=0.0, reach=0.05), DenseSettings(grid_px=6, other_hue=0.0, reach=0.02))
 _SCALES = ((6 / 960, 1 / 960), (1 / 960,))  # widths; of each round's loss
 _LEAST = 400  # matches of all cameras
-_FITS = 1.0 / 960  # of the width, median
+_FITS = (3.0 / 960, 1.0 / 960)  # of the width, median: laid by planes 14 px off, flow is a pixel off that fits at last
+_KNOWN = 0.3  # confidence of the surface where it may tie: beside that it is the plane, whatever the scene is
 
 
 def tie_scene(before: ReliefScene, surface: ReliefSurface, own: ReliefScene, to_own: Array) -> Array | None:
@@ -51,11 +53,11 @@ def tie_scene(before: ReliefScene, surface: ReliefSurface, own: ReliefScene, to_
     names = [name for name in own.cameras if name in before.cameras]
     laid = {name: transform_points(own.cameras[name].plane, grid.scene[:, :2]) for name in names}
     found: Array | None = None
-    for settings, scales in zip(_SETTINGS, _SCALES, strict=True):
+    for settings, scales, fits in zip(_SETTINGS, _SCALES, _FITS, strict=True):
         matches = {name: grid.matched(before.cameras[name], own.cameras[name], laid[name], settings) for name in names}
         if sum(len(seen) for _, seen in matches.values()) < _LEAST:
             return None
-        found = _fitted(matches, own, to_own if found is None else found, scales)
+        found = _fitted(matches, own, to_own if found is None else found, scales, fits)
         if found is None:
             return None
         laid = {name: project(own.cameras[name].projection @ found, grid.scene) for name in names}
@@ -66,19 +68,23 @@ def tie_scene(before: ReliefScene, surface: ReliefSurface, own: ReliefScene, to_
 class _Grid:
     """The scene before at every pixel of the reduced programme picture.
 
-    size: its width and height. full: the programme's. scene: (H * W, 3), programme pixels and gamma.
+    size: its width and height. full: the programme's. scene: (H * W, 3), programme pixels and gamma. known: (H, W),
+    where the surface is.
     """
 
     size: tuple[int, int]
     full: tuple[int, int]
     scene: Array
+    known: Mask
 
     @classmethod
     def over(cls, before: ReliefScene, surface: ReliefSurface) -> _Grid:
         size = size_at_columns(before.size, WIDTH)
         pixels = transform_points(scaling(size, before.size), pixels_of(size))
-        gamma = between_nodes(surface.gamma[..., None], before.size, pixels)
-        return cls(size, before.size, np.hstack([pixels, gamma]))
+        nodes = np.stack([surface.gamma, surface.confidence], axis=-1)
+        gamma, confidence = between_nodes(nodes, before.size, pixels).T
+        known = (confidence > _KNOWN).reshape(size[::-1])
+        return cls(size, before.size, np.column_stack([pixels, gamma]), known)
 
     def matched(
         self, then: ReliefCamera, now: ReliefCamera, laid: Array, settings: DenseSettings
@@ -97,7 +103,7 @@ class _Grid:
             key: AlignedCamera([picture], own, self.full, [steady])
             for key, (picture, steady) in zip(("then", "now"), pictures, strict=True)
         }
-        matches = match_densely(cameras, np.ones(shape[:2], bool), settings).get(("then", "now"))
+        matches = match_densely(cameras, self.known, settings).get(("then", "now"))
         if matches is None:
             return np.zeros((0, 3)), np.zeros((0, 2))
         from_full = scaling(self.full, self.size)
@@ -109,9 +115,9 @@ class _Grid:
 
 
 def _fitted(
-    matches: Mapping[str, tuple[Array, Array]], own: ReliefScene, start: Array, scales: Sequence[float]
+    matches: Mapping[str, tuple[Array, Array]], own: ReliefScene, start: Array, scales: Sequence[float], fits: float
 ) -> Array | None:
-    """The transformation by all matches, in widths of the cameras; None where it does not fit them."""
+    """The transformation by all matches, in widths of the cameras; None where their median is ``fits`` off or more."""
     middle = np.concatenate([points for points, _ in matches.values()])
     wide = np.abs(np.insert(middle, 2, 1.0, axis=1)).mean(axis=0) + 1e-12
     numbers = (start / start[2, 2] * wide).ravel()
@@ -133,4 +139,4 @@ def _fitted(
     for scale in scales:
         x = least_squares(off, x, loss="cauchy", f_scale=scale, x_scale="jac", max_nfev=40).x
     left = np.hypot(*off(x).reshape(-1, 2).T)
-    return moved(x) if np.median(left) < _FITS else None
+    return moved(x) if np.median(left) < fits else None
