@@ -12,7 +12,7 @@ from attrs import frozen
 from mcsl_core.edl import DrawnField, Movement
 from mcsl_core.edl.field import drawn_over
 from mcsl_core.imaging.geometry import Array, scaling, size_at_columns, to_edl_matrix, transform_points
-from mcsl_core.imaging.masks import Mask, polygon_mask
+from mcsl_core.imaging.masks import Mask, polygon_mask, resize_mask
 from mcsl_core.progress import HeldNotes, Progress
 from mcsl_core.recording.sample_store import SampleStore
 from mcsl_core.timing import FrameRange
@@ -21,8 +21,9 @@ from .aligned_views import AlignedPose
 from .anchoring import anchor
 from .observations import SolvedPose
 from .pose_solver import PoseSolver
-from .relief.estimation import estimate_relief
+from .relief.estimation import PoseRelief, estimate_relief, surface_pairs
 
+_COVERED = 0.05  # of the field by hands that rest, from which its planes are laid anew
 _ENOUGH = 3  # samples with the reference camera's picture from which a pose is solved in its view
 
 
@@ -104,6 +105,7 @@ class _Recording:
         relief = estimate_relief(solver.estimator, seen.cameras, seen.views, planes, before, tied.aligned.field)
         if relief is None:
             return tied
+        tied = _planes_under_hands(tied, relief, solver)
         return attrs.evolve(tied, pose=attrs.evolve(tied.pose, relief=relief.document()), relief=relief)
 
     def _drawn_in(self, pose: SolvedPose, progress: Progress) -> tuple[tuple[FrameRange, Mask], ...]:
@@ -147,6 +149,34 @@ def _solved(
     )
     pose = attrs.evolve(solver, reference=stand_in).solve(within, standing, samples, progress)
     return _laid_by(pose, solver, earlier[-1] if stand_in in tied else None)
+
+
+def _planes_under_hands(pose: SolvedPose, relief: PoseRelief, solver: PoseSolver) -> SolvedPose:
+    """The pose by planes that serve the field itself, where hands rest over it: matches took their height for its own.
+
+    Without hands the planes stay: what a limb's sides do where no node is sure the matches' own bend says better.
+    """
+    aligned, reference = pose.aligned, pose.aligned.reference
+    full = aligned.camera_sizes[reference]
+    warp = np.array(pose.pose.anchor) @ scaling(aligned.size, full)
+    warp = scaling(full, aligned.size) @ warp
+    field = cv2.warpPerspective(aligned.field.astype(np.uint8), warp, aligned.size, flags=cv2.INTER_NEAREST) > 0
+    covered = resize_mask(relief.hands, aligned.size) & field
+    if reference not in relief.surface.cameras or covered.sum() < _COVERED * max(field.sum(), 1):
+        return pose
+    pairs = surface_pairs(relief, reference, field)
+    sizes = {name: solver.sizes[name] for name in (reference, *(name for _, name in pairs))}
+    found = solver.aligner.align(pairs, sizes, reference)
+    if found.weak:
+        return pose
+    homographies = {**aligned.homographies, **found.homographies}
+    made = attrs.evolve(
+        pose.pose,
+        homographies={name: to_edl_matrix(h) for name, h in homographies.items()},
+        residual_px={**pose.pose.residual_px, **{n: round(v, 3) for n, v in found.residual_px.items()}},
+        support={**pose.pose.support, **found.support},
+    )
+    return attrs.evolve(pose, pose=made, aligned=attrs.evolve(aligned, homographies=homographies))
 
 
 def _rig(earlier: Sequence[SolvedPose]) -> Mapping[str, Array] | None:

@@ -14,18 +14,24 @@ import numpy as np
 from attrs import evolve, frozen
 
 from mcsl_core.edl import Relief
-from mcsl_core.imaging.geometry import Array, inverse, project, scaling
-from mcsl_core.imaging.masks import Mask, central_ellipse
+from mcsl_core.imaging.geometry import Array, inverse, project, scaling, size_at_columns, transform_points
+from mcsl_core.imaging.masks import Mask, central_ellipse, resize_mask
 
+from ..correspondences import Correspondences, Pairs
 from ..steady import steady_view
 from .cameras import ReliefCameras
+from .field_surface import field_gamma, height_of_gamma
 from .foreign import foreign_places
-from .matching import Views
+from .matching import AROUND_WEIGHT, Views
 from .protocol import ReliefCamera, ReliefEstimator, ReliefScene, ReliefSurface, ReliefView
+from .resting_hands import foreign_share, without_resting_hands
 from .tying import tie_scene
 
 _GROUPS = 3  # of moments: a hand that rests in one of them is outvoted
 _ABOUT = 0.15  # widths about the middle, where the cameras aim: there the base plane lies in the scene
+_COLUMNS = 480  # of the picture that the field's surface is laid over for planes
+_KNOWN = 0.25  # confidence from which a node counts for them
+_FIELD_POINTS = 1500
 _BEFORE = " before"  # what a camera of the pose before is called
 
 
@@ -39,10 +45,16 @@ class PoseRelief:
         The pose's cameras, with what they show.
     surface : ReliefSurface
         Gamma at nodes over the programme's picture.
+    foreign : mapping of str to (h, w) bool array
+        Camera -> where its steady picture has the colours of what comes and goes.
+    hands : (rows, columns) bool array
+        The nodes of the surface where a hand rests all through the pose.
     """
 
     scene: ReliefScene
     surface: ReliefSurface
+    foreign: Mapping[str, Mask]
+    hands: Mask
 
     def document(self) -> Relief:
         """As the EDL has it; of the cameras that the surface serves."""
@@ -91,30 +103,89 @@ def estimate_relief(
         None where the plane is to stay.
     """
     size = views.sizes[views.reference]
-    own = _scene(cameras, views, to_programme, central_ellipse(views.size) if field is None else field)
+    foreign = _foreign(views, to_programme, central_ellipse(views.size) if field is None else field)
+    own = _scene(cameras, views, to_programme, foreign)
     if len(own.cameras) < 2:
         return None
     lifted = np.eye(4)  # programme pixel and gamma -> the pose's own, by the plane alone
     lifted[:3, :3] = to_programme[views.reference]
     known = None if before is None else tie_scene(before.scene, before.surface, own, inverse(lifted))
     if before is None or known is None:
-        placed = _based(_moved(own, inverse(lifted)))
-        surface = estimator.estimate(placed)
+        placed = together = _based(_moved(own, inverse(lifted)))
+        coloured = foreign
     else:
         placed = _moved(own, known)
         earlier = {name + _BEFORE: camera for name, camera in before.scene.cameras.items()}
         points = np.concatenate([before.scene.points, placed.points])
-        surface = estimator.estimate(ReliefScene(size, {**placed.cameras, **earlier}, points))
+        together = ReliefScene(size, {**placed.cameras, **earlier}, points)
+        coloured = {**foreign, **{name + _BEFORE: mask for name, mask in before.foreign.items()}}
+    surface = estimator.estimate(together)
     if surface is None or not placed.cameras.keys() & surface.cameras:
         return None
-    return PoseRelief(placed, evolve(surface, cameras=surface.cameras & placed.cameras.keys()))
+    share = foreign_share(surface, size, together.cameras, coloured)
+    surface, hands = without_resting_hands(
+        surface, share, _height(placed if before is None or known is None else before.scene)
+    )
+    return PoseRelief(placed, evolve(surface, cameras=surface.cameras & placed.cameras.keys()), foreign, hands)
 
 
-def _scene(cameras: ReliefCameras, views: Views, to_programme: Mapping[str, Array], field: Mask) -> ReliefScene:
+def surface_pairs(relief: PoseRelief, reference: str, field: Mask) -> Pairs:
+    """Where every camera sees a grid of points all over the field, by the surface as it goes on under hands.
+
+    Parameters
+    ----------
+    relief : PoseRelief
+        Of a pose in which hands rest; it serves the reference camera.
+    reference : str
+        The pose's reference camera.
+    field : (H, W) bool array
+        Where the surgical field lies in the programme's picture, of any size.
+
+    Returns
+    -------
+    mapping of (str, str) to Correspondences
+        Each camera's with the reference; outside of the field what weighs next to nothing, as `field_pairs` has it.
+    """
+    size = size_at_columns(relief.scene.size, _COLUMNS)
+    to_full = inverse(scaling(relief.scene.size, size))
+    mask = resize_mask(field, size)
+    surface = relief.surface
+    rows, columns = surface.gamma.shape
+    x, y = np.meshgrid(np.linspace(0, size[0] - 1, columns), np.linspace(0, size[1] - 1, rows))
+    rim = cv2.dilate(relief.hands.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    sure = (surface.confidence > _KNOWN) & ~rim
+    nodes = np.column_stack([x[sure], y[sure], surface.gamma[sure]])
+    gamma = field_gamma(nodes, mask, _height(relief.scene)).astype(np.float64)
+    every = max(1, int(np.sqrt(mask.sum() / _FIELD_POINTS)))
+    inside = np.zeros_like(mask)
+    inside[::every, ::every] = True
+    at = np.argwhere(inside & mask)
+    scene = np.column_stack([transform_points(to_full, at[:, ::-1].astype(np.float64)), gamma[at[:, 0], at[:, 1]]])
+    around = ~mask[np.round(nodes[:, 1]).astype(int), np.round(nodes[:, 0]).astype(int)]
+    beside = np.column_stack([transform_points(to_full, nodes[around, :2]), nodes[around, 2]])
+    weight = np.concatenate([np.ones(len(scene)), np.full(len(beside), AROUND_WEIGHT)])
+    scene = np.concatenate([scene, beside])
+    seen = np.ones(len(scene), np.int64)
+    own = project(relief.scene.cameras[reference].projection, scene)
+    return {
+        (reference, name): Correspondences(own, project(camera.projection, scene), weight, seen)
+        for name, camera in relief.scene.cameras.items()
+        if name != reference and name in relief.surface.cameras
+    }
+
+
+def _height(scene: ReliefScene) -> float:
+    """Pixels of 960 that gamma 1 stands above gamma 0 in the middle of a scene."""
+    projections = {name: camera.projection for name, camera in scene.cameras.items()}
+    return height_of_gamma(projections, np.array(scene.size) / 2) * 960 / scene.size[0]
+
+
+def _scene(
+    cameras: ReliefCameras, views: Views, to_programme: Mapping[str, Array], foreign: Mapping[str, Mask]
+) -> ReliefScene:
     """What is known over the pixels of the pose's reference camera; planes over programme pixels."""
     count = len(views.samples)
     groups = [slice(g * count // _GROUPS, (g + 1) * count // _GROUPS) for g in range(_GROUPS)]
-    foreign = _foreign(views, to_programme, field)
     made: dict[str, ReliefCamera] = {}
     for name, projection in cameras.projections.items():
         if name not in to_programme:

@@ -41,7 +41,7 @@ _LEAST_COVERED = 0.25
 _AIM = 0.15  # of the width
 _FEW_SEEN = 0.15  # of the field in common with the reference; it had 0.3 to 0.9 where no head hid it all the while
 _FIELD_POINTS = 1500
-_AROUND_PX, _AROUND_WEIGHT = 16, 1e-4  # their area is fifty times the field's
+_AROUND_PX, AROUND_WEIGHT = 16, 1e-4  # their area is fifty times the field's
 
 
 @frozen(eq=False)
@@ -278,7 +278,7 @@ def field_pairs(cameras: ReliefCameras, field: Mask, views: Views) -> Pairs:
     at = np.argwhere((inside & mask) | (around & ~mask))
     points = transform_points(inverse(to_views), at[:, ::-1].astype(np.float64))
     scene = np.column_stack([points, gamma[at[:, 0], at[:, 1]].astype(np.float64)])
-    weight = np.where(mask[at[:, 0], at[:, 1]], 1.0, _AROUND_WEIGHT)
+    weight = np.where(mask[at[:, 0], at[:, 1]], 1.0, AROUND_WEIGHT)
     seen = np.ones(len(points), np.int64)
     pairs = {}
     for name, projection in cameras.projections.items():

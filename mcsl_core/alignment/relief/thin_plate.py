@@ -44,7 +44,7 @@ class Plate:
         -------
         (rows, columns) array
         """
-        bending = _second_differences(*values.shape)
+        bending = second_differences(*values.shape)
         held = self.stiffness * (bending.T @ bending) + self.pull * sparse.identity(values.size)
         measured, worth = values.ravel(), weights.ravel()
         trust, plate = worth, measured
@@ -55,8 +55,8 @@ class Plate:
         return plate.reshape(values.shape)
 
 
-def _second_differences(rows: int, columns: int) -> sparse.csr_matrix:
-    """Across, down and mixed, one row each."""
+def second_differences(rows: int, columns: int) -> sparse.csr_matrix:
+    """A grid's second differences across, down and mixed, one row each: (M, rows * columns)."""
 
     def second(n: int) -> sparse.spmatrix:
         return sparse.eye(n - 2, n) - 2 * sparse.eye(n - 2, n, 1) + sparse.eye(n - 2, n, 2)
