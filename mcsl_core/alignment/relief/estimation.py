@@ -21,7 +21,7 @@ from ..correspondences import Correspondences, Pairs
 from ..steady import steady_view
 from .cameras import ReliefCameras
 from .field_surface import field_gamma, height_of_gamma
-from .foreign import foreign_places
+from .foreign import ForeignColours, foreign_colours
 from .matching import AROUND_WEIGHT, Views
 from .protocol import ReliefCamera, ReliefEstimator, ReliefScene, ReliefSurface, ReliefView
 from .resting_hands import foreign_share, without_resting_hands
@@ -45,7 +45,7 @@ class PoseRelief:
         The pose's cameras, with what they show.
     surface : ReliefSurface
         Gamma at nodes over the programme's picture.
-    foreign : mapping of str to (h, w) bool array
+    foreign : mapping of str to ForeignColours
         Camera -> where its steady picture has the colours of what comes and goes.
     hands : (rows, columns) bool array
         The nodes of the surface where a hand rests all through the pose.
@@ -53,7 +53,7 @@ class PoseRelief:
 
     scene: ReliefScene
     surface: ReliefSurface
-    foreign: Mapping[str, Mask]
+    foreign: Mapping[str, ForeignColours]
     hands: Mask
 
     def document(self) -> Relief:
@@ -118,14 +118,13 @@ def estimate_relief(
         earlier = {name + _BEFORE: camera for name, camera in before.scene.cameras.items()}
         points = np.concatenate([before.scene.points, placed.points])
         together = ReliefScene(size, {**placed.cameras, **earlier}, points)
-        coloured = {**foreign, **{name + _BEFORE: mask for name, mask in before.foreign.items()}}
+        coloured = {**foreign, **{name + _BEFORE: own for name, own in before.foreign.items()}}
     surface = estimator.estimate(together)
     if surface is None or not placed.cameras.keys() & surface.cameras:
         return None
     share = foreign_share(surface, size, together.cameras, coloured)
-    surface, hands = without_resting_hands(
-        surface, share, _height(placed if before is None or known is None else before.scene)
-    )
+    height = _height(placed if before is None or known is None else before.scene)
+    surface, hands = without_resting_hands(surface, share, height)
     return PoseRelief(placed, evolve(surface, cameras=surface.cameras & placed.cameras.keys()), foreign, hands)
 
 
@@ -181,7 +180,7 @@ def _height(scene: ReliefScene) -> float:
 
 
 def _scene(
-    cameras: ReliefCameras, views: Views, to_programme: Mapping[str, Array], foreign: Mapping[str, Mask]
+    cameras: ReliefCameras, views: Views, to_programme: Mapping[str, Array], foreign: Mapping[str, ForeignColours]
 ) -> ReliefScene:
     """What is known over the pixels of the pose's reference camera; planes over programme pixels."""
     count = len(views.samples)
@@ -192,14 +191,14 @@ def _scene(
             continue
         shown = [sample.get(name) for sample in views.samples]
         found = [views.steady.get(name), *(steady_view(shown[group]) for group in groups)]
-        own = ~foreign[name] if name in foreign else True
+        own = ~foreign[name].sure if name in foreign else True
         pictures = tuple(ReliefView(view.picture, view.steady & own) for view in found if view is not None)
         made[name] = ReliefCamera(views.sizes[name], projection, inverse(to_programme[name]), pictures)
     return ReliefScene(views.sizes[views.reference], made, cameras.points)
 
 
-def _foreign(views: Views, to_programme: Mapping[str, Array], field: Mask) -> dict[str, Mask]:
-    """Camera -> where hands and sleeves rest in its steady picture; see `foreign_places`."""
+def _foreign(views: Views, to_programme: Mapping[str, Array], field: Mask) -> dict[str, ForeignColours]:
+    """Camera -> where hands and sleeves rest in its steady picture; see `foreign_colours`."""
     steady = {name: view for name, view in views.steady.items() if view is not None and name in to_programme}
     from_field = to_programme[views.reference] @ scaling(field.shape[::-1], views.sizes[views.reference])
     fields = {}
@@ -207,7 +206,7 @@ def _foreign(views: Views, to_programme: Mapping[str, Array], field: Mask) -> di
         size = (view.picture.shape[1], view.picture.shape[0])
         warp = scaling(views.sizes[name], size) @ inverse(to_programme[name]) @ from_field
         fields[name] = cv2.warpPerspective(field.astype(np.uint8), warp, size, flags=cv2.INTER_NEAREST) > 0
-    return foreign_places(views.samples, steady, fields)
+    return foreign_colours(views.samples, steady, fields)
 
 
 def _moved(scene: ReliefScene, to_own: Array) -> ReliefScene:

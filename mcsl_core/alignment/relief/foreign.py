@@ -25,15 +25,33 @@ _SAMPLES = 12  # of a camera
 _SHAPE = (16, 32, 32)  # bins of L, a and b, smoothed by one: shading moves lightness, noise all three
 _PASSES = 16  # grey levels of 255 that a sample is off the steady picture where something passes
 _FOREIGN = 0.6  # odds from which a colour is foreign
+# Tan gloves on a tan limb have 0.5, the limb and its drapes 0.2 to 0.3; a table beside it 0.7, but lies flat.
+_LIKELY = 0.45
 _MOST = 0.5  # of the field: where more would be foreign its colours tell nothing, as of bare hands
 _ROUNDS = 2  # what was found foreign is no part of the scene's colours
 
 
-def foreign_places(
+@frozen(eq=False)
+class ForeignColours:
+    """Where a steady picture has the colours of what comes and goes, and is steady.
+
+    Attributes
+    ----------
+    sure : (h, w) bool array
+        Of the picture's size.
+    likely : (h, w) bool array
+        The same by less: enough for what stands above its surroundings as well.
+    """
+
+    sure: Mask
+    likely: Mask
+
+
+def foreign_colours(
     samples: Sequence[Mapping[str, Picture | None]],
     steady: Mapping[str, SteadyView],
     fields: Mapping[str, Mask],
-) -> dict[str, Mask]:
+) -> dict[str, ForeignColours]:
     """Where the steady pictures show what else comes and goes.
 
     Parameters
@@ -47,11 +65,12 @@ def foreign_places(
 
     Returns
     -------
-    dict of str to (h, w) bool array
-        Camera -> where, of the size of its steady picture; nowhere where colours do not tell.
+    dict of str to ForeignColours
+        Camera -> where; nowhere where colours do not tell.
     """
     seen = {name: _Seen.of(view, [s.get(name) for s in samples], fields[name]) for name, view in steady.items()}
     places = {name: np.zeros(own.bins.shape, bool) for name, own in seen.items()}
+    odds: dict[str, NDArray[np.float32]] = {}
     for _ in range(_ROUNDS):
         whole, field, coming = (np.zeros(int(np.prod(_SHAPE))) for _ in range(3))
         for name, own in seen.items():
@@ -59,14 +78,21 @@ def foreign_places(
             field += _counted(own.bins[own.field & ~places[name]])
             coming += own.coming + _counted(own.bins[places[name]])
         of_scene = np.maximum(_share(whole), _share(field))
-        odds = _share(coming) / (_share(coming) + of_scene + 1e-6)
-        places = {name: cv2.blur(odds[own.bins].astype(np.float32), (5, 5)) > _FOREIGN for name, own in seen.items()}
+        by_colour = (_share(coming) / (_share(coming) + of_scene + 1e-6)).astype(np.float32)
+        odds = {name: np.asarray(cv2.blur(by_colour[own.bins], (5, 5)), np.float32) for name, own in seen.items()}
+        places = {name: own > _FOREIGN for name, own in odds.items()}
         inside = sum(int(own.field.sum()) for own in seen.values())
         if sum(int((places[n] & own.field).sum()) for n, own in seen.items()) > _MOST * max(inside, 1):
             places = {name: np.zeros(own.bins.shape, bool) for name, own in seen.items()}
+            odds = {name: np.zeros(own.bins.shape, np.float32) for name, own in seen.items()}
             break
-    rims = {name: cv2.dilate(place.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0 for name, place in places.items()}
-    return {name: resize_mask(rims[name], view.steady.shape[::-1]) for name, view in steady.items()}
+    found = {}
+    for name, view in steady.items():
+        size = view.steady.shape[::-1]
+        rim = cv2.dilate(places[name].astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+        sure, likely = (resize_mask(mask, size) & view.steady for mask in (rim, odds[name] > _LIKELY))
+        found[name] = ForeignColours(sure, likely)
+    return found
 
 
 @frozen(eq=False)

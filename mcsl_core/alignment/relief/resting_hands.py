@@ -7,11 +7,11 @@ rim, a limb or a fold stand above their surroundings as well, and have the scene
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import cv2
 import numpy as np
-from attrs import evolve
+from attrs import evolve, frozen
 from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
@@ -19,6 +19,7 @@ from scipy.sparse.linalg import splu
 from mcsl_core.imaging.geometry import project
 from mcsl_core.imaging.masks import Mask
 
+from .foreign import ForeignColours
 from .protocol import ReliefCamera, ReliefSurface
 from .thin_plate import Nodes, Plate, second_differences
 
@@ -34,18 +35,35 @@ _COLOURED = 0.3  # share of cameras from which a node is no ground
 # Of a piece, its share of foreign colours times its height in pixels of 960: hands had 2.1 (bloody ones, sleeves out
 # of the picture) to 20, limbs, rims and folds 0 to 1.3.
 _HAND = 1.7
+# Tan gloves on a tan limb: half of the cameras see likely colours, and it stands higher than a rim or a fold.
+_LIKELY, _HIGH = 0.5, 10.0
+_UNDER = Plate(pull=1e-5)  # by the usual pull it sags to the plane within a hand's width
 _REACH, _FULL = 4.0, 0.15  # nodes; mean confidence about a node from which the ground is carried on there
 
 
-def without_resting_hands(surface: ReliefSurface, foreign: Nodes, height: float) -> tuple[ReliefSurface, Mask]:
+@frozen(eq=False)
+class ForeignShare:
+    """At the nodes of a surface the share of the cameras that see foreign colours there, 0..1.
+
+    Attributes
+    ----------
+    sure, likely : (rows, columns) array
+        See `ForeignColours`.
+    """
+
+    sure: Nodes
+    likely: Nodes
+
+
+def without_resting_hands(surface: ReliefSurface, foreign: ForeignShare, height: float) -> tuple[ReliefSurface, Mask]:
     """The surface as it goes on under hands that rest on it.
 
     Parameters
     ----------
     surface : ReliefSurface
         As an estimator finds it.
-    foreign : (rows, columns) array
-        At its nodes the share of the cameras that see foreign colours there, 0..1; see `foreign_share`.
+    foreign : ForeignShare
+        Where it has foreign colours; see `foreign_share`.
     height : float
         Pixels of 960 that gamma 1 stands above gamma 0, negative where gamma falls towards the cameras.
 
@@ -60,22 +78,23 @@ def without_resting_hands(surface: ReliefSurface, foreign: Nodes, height: float)
     fitted to the surface went from 1.4 and 2.3 times the best one's error to 1.05 and 1.3. Without one nothing changed.
     """
     sure = np.clip(2 * surface.confidence, 0, 1)
-    above = surface.gamma * height - _ground(surface.gamma * height, sure * (foreign < _COLOURED))
-    standing = ((above > _STANDS) & (surface.confidence > _SEEN)).astype(np.uint8)
-    wide = cv2.morphologyEx(standing, cv2.MORPH_OPEN, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (_WIDE, _WIDE)))
-    count, pieces = cv2.connectedComponents(wide, connectivity=4)
-    hands = np.zeros(standing.shape, bool)
-    for piece in range(1, count):
-        own = pieces == piece
-        if foreign[own].mean() * np.median(above[own]) > _HAND:
-            hands |= cv2.dilate(own.astype(np.uint8), np.ones((3, 3), np.uint8), iterations=_EDGE) > 0
-    hands &= standing > 0
+    heights, known = surface.gamma * height, surface.confidence > _SEEN
+    above = heights - _ground(heights, sure * (foreign.sure < _COLOURED))
+    hands = np.zeros(heights.shape, bool)
+    for piece in _wide_pieces(known & (above > _STANDS)):
+        if foreign.sure[piece].mean() * np.median(above[piece]) > _HAND:
+            hands |= piece
+    likely = foreign.likely > _LIKELY
+    above = heights - _ground(heights, sure * ~likely)
+    for piece in _wide_pieces(known & (above > _STANDS) & (cv2.blur(foreign.likely, (3, 3)) > _LIKELY)):
+        if np.median(above[piece]) > _HIGH:
+            hands |= piece
     if not hands.any():
         return surface, hands
     rim = cv2.dilate(hands.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
-    known = np.where(rim, 0.0, sure)
-    under = Plate().through(surface.gamma, known, np.inf)
-    near = np.clip(cv2.GaussianBlur(known, (0, 0), _REACH) / _FULL, 0, 1)
+    beside = np.where(rim, 0.0, sure)
+    under = _UNDER.through(surface.gamma, beside, np.inf)
+    near = np.clip(cv2.GaussianBlur(beside, (0, 0), _REACH) / _FULL, 0, 1)
     return evolve(
         surface,
         gamma=np.where(rim, under, surface.gamma),
@@ -87,8 +106,8 @@ def foreign_share(
     surface: ReliefSurface,
     size: tuple[int, int],
     cameras: Mapping[str, ReliefCamera],
-    foreign: Mapping[str, Mask],
-) -> Nodes:
+    foreign: Mapping[str, ForeignColours],
+) -> ForeignShare:
     """How many cameras see foreign colours at the nodes of a surface.
 
     Parameters
@@ -99,30 +118,43 @@ def foreign_share(
         The perspective's full width and height.
     cameras : mapping of str to ReliefCamera
         How they see it; of each the first view says where it is steady.
-    foreign : mapping of str to (h, w) bool array
-        Camera -> where its steady picture has foreign colours, of the picture's size; see `foreign_places`.
+    foreign : mapping of str to ForeignColours
+        Camera -> where its steady picture has foreign colours.
 
     Returns
     -------
-    (rows, columns) array
-        Of the cameras that see the node steadily, 0..1; 0 where none does.
+    ForeignShare
+        Of the cameras that see the node steadily; 0 where none does.
     """
     rows, columns = surface.gamma.shape
     x, y = np.meshgrid(np.linspace(0, size[0] - 1, columns), np.linspace(0, size[1] - 1, rows))
     scene = np.column_stack([x.ravel(), y.ravel(), surface.gamma.ravel()])
-    found, seen = np.zeros(len(scene)), np.zeros(len(scene))
+    sure, likely, seen = (np.zeros(len(scene)) for _ in range(3))
     for name, camera in cameras.items():
-        mask, steady = foreign.get(name), camera.views[0].steady if camera.views else None
-        if mask is None or steady is None:
+        own = foreign.get(name)
+        if own is None or not camera.views:
             continue
-        scale = np.array([mask.shape[1], mask.shape[0]]) / camera.size
-        at = np.round(project(camera.projection, scene) * scale).astype(int)
-        inside = ((at >= 0) & (at < (mask.shape[1], mask.shape[0]))).all(axis=1)
+        there = (own.sure.shape[1], own.sure.shape[0])
+        at = np.round(project(camera.projection, scene) * np.array(there) / camera.size).astype(int)
+        inside = ((at >= 0) & (at < there)).all(axis=1)
         at[~inside] = 0
-        shown = inside & (steady | mask)[at[:, 1], at[:, 0]]
-        found += shown & mask[at[:, 1], at[:, 0]]
+        x, y = at.T
+        shown = inside & (camera.views[0].steady | own.sure)[y, x]
+        sure += shown & own.sure[y, x]
+        likely += shown & own.likely[y, x]
         seen += shown
-    return (found / np.maximum(seen, 1)).reshape(rows, columns)
+    seen = np.maximum(seen, 1)
+    return ForeignShare((sure / seen).reshape(rows, columns), (likely / seen).reshape(rows, columns))
+
+
+def _wide_pieces(standing: Mask) -> Iterator[Mask]:
+    """The connected pieces of what stands above the ground, without what is narrow and what hangs on by little."""
+    given = standing.astype(np.uint8)
+    wide = cv2.morphologyEx(given, cv2.MORPH_OPEN, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (_WIDE, _WIDE)))
+    count, pieces = cv2.connectedComponents(wide, connectivity=4)
+    for piece in range(1, count):
+        own = (pieces == piece).astype(np.uint8)
+        yield (cv2.dilate(own, np.ones((3, 3), np.uint8), iterations=_EDGE) > 0) & standing
 
 
 def _ground(heights: Nodes, worth: Nodes) -> Nodes:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mcsl_core.alignment.relief.foreign import foreign_places
+from mcsl_core.alignment.relief.foreign import foreign_colours
 from mcsl_core.alignment.steady import steady_view
 
 SIZE = (320, 180)
@@ -36,7 +36,7 @@ def places(pictures: list[np.ndarray]) -> np.ndarray:
     assert view is not None
     field = np.zeros((SIZE[1] // 2, SIZE[0] // 2), bool)
     field[30:60, 55:105] = True
-    return foreign_places([{"cam1": p} for p in pictures], {"cam1": view}, {"cam1": field})["cam1"]
+    return foreign_colours([{"cam1": p} for p in pictures], {"cam1": view}, {"cam1": field})["cam1"].sure
 
 
 @pytest.mark.parametrize("glove", [GLOVE, (60, 60, 60), (190, 120, 60)], ids=["white", "black", "blue"])
@@ -66,4 +66,4 @@ def test_a_camera_without_any_sample_is_left_alone() -> None:
     view = steady_view(moments(GLOVE, GLOVE))
     assert view is not None
     field = np.ones((SIZE[1], SIZE[0]), bool)
-    assert not foreign_places([{"cam1": None}], {"cam1": view}, {"cam1": field})["cam1"].any()
+    assert not foreign_colours([{"cam1": None}], {"cam1": view}, {"cam1": field})["cam1"].likely.any()

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mcsl_core.alignment.relief.foreign import ForeignColours
 from mcsl_core.alignment.relief.protocol import ReliefCamera, ReliefSurface, ReliefView
-from mcsl_core.alignment.relief.resting_hands import foreign_share, without_resting_hands
+from mcsl_core.alignment.relief.resting_hands import ForeignShare, foreign_share, without_resting_hands
 
 ROWS, COLUMNS = 54, 96
 Y, X = np.mgrid[:ROWS, :COLUMNS].astype(float)
@@ -27,8 +28,11 @@ def hand() -> tuple[np.ndarray, np.ndarray]:
     return where, np.where(where, np.minimum(25, 8 + 1.2 * (X - 50)), 0.0)
 
 
-def sleeve(where: np.ndarray) -> np.ndarray:
-    return (where & (X > 80)).astype(float)
+def sleeve(where: np.ndarray) -> ForeignShare:
+    return ForeignShare(foreign := (where & (X > 80)).astype(float), foreign)
+
+
+NOWHERE = ForeignShare(np.zeros((ROWS, COLUMNS)), np.zeros((ROWS, COLUMNS)))
 
 
 @pytest.mark.parametrize("up", [1.0, -1.0, 0.4])
@@ -55,14 +59,14 @@ def test_what_has_the_scenes_own_colours_stays():
     rim = 10 * np.exp(-((np.hypot(X - 48, Y - 27) - 8) ** 2))
     for bump in (limb, rim):
         given = surface(ground() + bump)
-        found, hands = without_resting_hands(given, np.zeros((ROWS, COLUMNS)), 1.0)
+        found, hands = without_resting_hands(given, NOWHERE, 1.0)
         assert not hands.any()
         assert found is given
 
 
 def test_foreign_colours_that_lie_flat_are_no_hand():
     cloth = (np.hypot(X - 20, Y - 20) < 9).astype(float)
-    found, hands = without_resting_hands(surface(ground()), cloth, 1.0)
+    found, hands = without_resting_hands(surface(ground()), ForeignShare(cloth, cloth), 1.0)
     assert not hands.any()
     np.testing.assert_array_equal(found.gamma, ground())
 
@@ -78,8 +82,20 @@ def test_foreign_colours_are_looked_up_where_each_camera_sees_the_surface():
     }
     left = np.zeros((270, 480), bool)
     left[:, :240] = True
-    share = foreign_share(surface(np.full((ROWS, COLUMNS), 96.0)), size, cameras, {"cam1": left, "cam2": left})
+    colours = ForeignColours(left, ~left)
+    share = foreign_share(surface(np.full((ROWS, COLUMNS), 96.0)), size, cameras, dict.fromkeys(cameras, colours))
     at = np.linspace(0, 959, COLUMNS)
-    np.testing.assert_allclose(share[20, at < 380], 1.0)
-    np.testing.assert_allclose(share[20, (at > 390) & (at < 475)], 0.5)
-    np.testing.assert_allclose(share[20, at > 485], 0.0)
+    np.testing.assert_allclose(share.sure[20, at < 380], 1.0)
+    np.testing.assert_allclose(share.sure[20, (at > 390) & (at < 475)], 0.5)
+    np.testing.assert_allclose(share.sure[20, at > 485], 0.0)
+    np.testing.assert_allclose(share.likely[20, (at > 485) & (at < 850)], 1.0)
+
+
+def test_a_limb_stays_under_a_hand_of_nearly_its_colours():
+    limb = 60 * np.maximum(0, 1 - ((Y - 27) / 16) ** 2)
+    where = (abs(X - 48) < 8) & (Y > 20)
+    likely = ForeignShare(np.zeros((ROWS, COLUMNS)), where.astype(float))
+    found, hands = without_resting_hands(surface(limb + 30.0 * where), likely, 1.0)
+    assert hands[where & (Y < 45)].mean() > 0.8
+    assert hands[~where].mean() < 0.03
+    assert abs(found.gamma - limb)[(abs(X - 48) < 8) & (abs(Y - 27) < 7)].mean() < 10  # it was 30
