@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from attrs import frozen
 from numpy.typing import NDArray
 
 from mcsl_core.imaging.geometry import Array, project
@@ -28,6 +29,7 @@ _LEAST = 20  # points, with fewer the field's surface is that of its surrounding
 # How much of the points' heights the bend must say before it is believed where there are none. Of limbs it says 0.5 to
 # 0.8; of an open wound 0.2, and carried on from there planes went from 1.02 to 4 times the best one's error.
 _SAYS_NOTHING, _SAYS_ALL = 0.35, 0.45
+_AGREED = 0.5  # of the cameras' leaning, by sum over the sum of sizes: once it was 0.36, and the sign wrong; else 0.57
 
 
 def height_of_gamma(projections: Mapping[str, Array], at: Array) -> float:
@@ -53,8 +55,19 @@ def height_of_gamma(projections: Mapping[str, Array], at: Array) -> float:
     _, *others = projections.values()
     ends = np.array([[*at, 0.0], [*at, 1e-3]])
     moved = max(float(np.hypot(*np.diff(project(p, ends), axis=0)[0])) for p in others) / 1e-3
-    leaning = sum(float(p[2, 3] / np.linalg.norm(p[:2, 3])) for p in others)
-    return moved if leaning > 0 else -moved
+    return moved if sum(_leaning(projections)) > 0 else -moved
+
+
+def knows_up(projections: Mapping[str, Array]) -> bool:
+    """Whether the cameras agree about the sign of `height_of_gamma`; the same mapping."""
+    leaning = _leaning(projections)
+    return abs(sum(leaning)) >= _AGREED * sum(map(abs, leaning))
+
+
+def _leaning(projections: Mapping[str, Array]) -> list[float]:
+    """Of every camera but the reference: above 0 where gamma rises towards the cameras."""
+    _, *others = projections.values()
+    return [float(p[2, 3] / np.linalg.norm(p[:2, 3])) for p in others]
 
 
 def field_gamma(points: Array, field: Mask, height: float) -> NDArray[np.float32]:
@@ -75,14 +88,12 @@ def field_gamma(points: Array, field: Mask, height: float) -> NDArray[np.float32
         That of all points where the field has few of its own, or no bend says how they lie.
     """
     size = (field.shape[1], field.shape[0])
-    own = points[_inside(points, field)]
+    own = points[inside(points, field)]
     if len(own) < _LEAST:
         return gamma_map(points, size)
-    rows, columns = np.nonzero(field)
-    middle, radius = np.array([columns.mean(), rows.mean()]), float(np.sqrt(field.sum() / np.pi))
     heights = own[:, 2] * height
-    bend = _bend((own[:, :2] - middle) / radius, heights)
-    left = heights - _terms((own[:, :2] - middle) / radius) @ bend
+    bend = FieldBend.through(own, field, height)
+    left = heights - bend.at(own[:, :2])
     without = max(float(np.abs(heights - np.median(heights)).mean()), 1e-9)
     said = 1 - float(np.minimum(np.abs(left), _MOST_OFF).mean()) / without
     share = float(np.clip((said - _SAYS_NOTHING) / (_SAYS_ALL - _SAYS_NOTHING), 0, 1))
@@ -91,12 +102,43 @@ def field_gamma(points: Array, field: Mask, height: float) -> NDArray[np.float32
     if not share or not low.any():
         return level
     x, y = np.meshgrid(np.arange(size[0]), np.arange(size[1]))
-    base = _terms((np.stack([x, y], axis=-1) - middle) / radius) @ bend
+    base = bend.at(np.stack([x, y], axis=-1))
     around = gamma_map(np.column_stack([own[low, :2], left[low]]), size, far=0.0)
     return (share * (base + around) / height + (1 - share) * level).astype(np.float32)
 
 
-def _inside(points: Array, mask: Mask) -> NDArray[np.bool_]:
+@frozen(eq=False)
+class FieldBend:
+    """How a field lies but for what is small about it, a quadric.
+
+    Attributes
+    ----------
+    middle : (2,) array
+        The field's, pixels.
+    radius : float
+        Of a disk of its area.
+    terms : (6,) array
+        Of the powers of places in radii.
+    """
+
+    middle: Array
+    radius: float
+    terms: Array
+
+    @classmethod
+    def through(cls, points: Array, field: Mask, height: float) -> FieldBend:
+        """By most of the field's points; see `field_gamma`."""
+        rows, columns = np.nonzero(field)
+        middle, radius = np.array([columns.mean(), rows.mean()]), float(np.sqrt(field.sum() / np.pi))
+        return cls(middle, radius, _bend((points[:, :2] - middle) / radius, points[:, 2] * height))
+
+    def at(self, places: Array) -> Array:
+        """(...) heights at (..., 2) pixels."""
+        return np.asarray(_terms((places - self.middle) / self.radius) @ self.terms, np.float64)
+
+
+def inside(points: Array, mask: Mask) -> NDArray[np.bool_]:
+    """(N,): which of (N, 2) or more coordinates, x and y first, lie in a mask."""
     at = np.round(points[:, :2]).astype(int)
     within = ((at >= 0) & (at < (mask.shape[1], mask.shape[0]))).all(axis=1)
     at[~within] = 0
