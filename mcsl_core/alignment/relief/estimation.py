@@ -20,7 +20,7 @@ from mcsl_core.imaging.masks import Mask, central_ellipse, resize_mask
 from ..correspondences import Correspondences, Pairs
 from ..steady import steady_view
 from .cameras import ReliefCameras
-from .field_surface import field_gamma, height_of_gamma
+from .field_surface import field_gamma, height_of_gamma, knows_up
 from .foreign import ForeignColours, foreign_colours
 from .matching import AROUND_WEIGHT, Views
 from .protocol import ReliefCamera, ReliefEstimator, ReliefScene, ReliefSurface, ReliefView
@@ -103,7 +103,8 @@ def estimate_relief(
         None where the plane is to stay.
     """
     size = views.sizes[views.reference]
-    foreign = _foreign(views, to_programme, central_ellipse(views.size) if field is None else field)
+    field = central_ellipse(views.size) if field is None else field
+    foreign = _foreign(views, to_programme, field)
     own = _scene(cameras, views, to_programme, foreign)
     if len(own.cameras) < 2:
         return None
@@ -122,9 +123,12 @@ def estimate_relief(
     surface = estimator.estimate(together)
     if surface is None or not placed.cameras.keys() & surface.cameras:
         return None
-    share = foreign_share(surface, size, together.cameras, coloured)
-    height = _height(placed if before is None or known is None else before.scene)
-    surface, hands = without_resting_hands(surface, share, height)
+    base = placed if before is None or known is None else before.scene
+    hands = np.zeros(surface.gamma.shape, bool)
+    if knows_up({name: camera.projection for name, camera in base.cameras.items()}):
+        share = foreign_share(surface, size, together.cameras, coloured)
+        nodes = _at_nodes(field, surface, to_programme[views.reference], size)
+        surface, hands = without_resting_hands(surface, share, _height(base), nodes)
     return PoseRelief(placed, evolve(surface, cameras=surface.cameras & placed.cameras.keys()), foreign, hands)
 
 
@@ -171,6 +175,13 @@ def surface_pairs(relief: PoseRelief, reference: str, field: Mask) -> Pairs:
         for name, camera in relief.scene.cameras.items()
         if name != reference and name in relief.surface.cameras
     }
+
+
+def _at_nodes(field: Mask, surface: ReliefSurface, to_programme: Array, size: tuple[int, int]) -> Mask:
+    """(rows, columns): the field in the reference camera's picture at the nodes of a surface over the programme's."""
+    nodes = surface.gamma.shape[::-1]
+    warp = scaling(size, nodes) @ to_programme @ scaling(field.shape[::-1], size)
+    return cv2.warpPerspective(field.astype(np.uint8), warp, nodes, flags=cv2.INTER_NEAREST) > 0
 
 
 def _height(scene: ReliefScene) -> float:

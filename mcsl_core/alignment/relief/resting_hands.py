@@ -35,6 +35,7 @@ _COLOURED = 0.3  # share of cameras from which a node is no ground
 # Of a piece, its share of foreign colours times its height in pixels of 960: hands had 2.1 (bloody ones, sleeves out
 # of the picture) to 20, limbs, rims and folds 0 to 1.3.
 _HAND = 1.7
+_MOST = 0.5  # of the field: what covers more is the field, as a limb is; of hands alone it was 0.28 at most
 # Tan gloves on a tan limb: half of the cameras see likely colours, and it stands higher than a rim or a fold.
 _LIKELY, _HIGH = 0.5, 10.0
 _UNDER = Plate(pull=1e-5)  # by the usual pull it sags to the plane within a hand's width
@@ -55,7 +56,9 @@ class ForeignShare:
     likely: Nodes
 
 
-def without_resting_hands(surface: ReliefSurface, foreign: ForeignShare, height: float) -> tuple[ReliefSurface, Mask]:
+def without_resting_hands(
+    surface: ReliefSurface, foreign: ForeignShare, height: float, field: Mask | None = None
+) -> tuple[ReliefSurface, Mask]:
     """The surface as it goes on under hands that rest on it.
 
     Parameters
@@ -66,6 +69,8 @@ def without_resting_hands(surface: ReliefSurface, foreign: ForeignShare, height:
         Where it has foreign colours; see `foreign_share`.
     height : float
         Pixels of 960 that gamma 1 stands above gamma 0, negative where gamma falls towards the cameras.
+    field : (rows, columns) bool array, optional
+        The nodes of the surgical field: no hand hides most of it.
 
     Returns
     -------
@@ -82,7 +87,8 @@ def without_resting_hands(surface: ReliefSurface, foreign: ForeignShare, height:
     above = heights - _ground(heights, sure * (foreign.sure < _COLOURED))
     hands = np.zeros(heights.shape, bool)
     for piece in _wide_pieces(known & (above > _STANDS)):
-        if foreign.sure[piece].mean() * np.median(above[piece]) > _HAND:
+        limb = field is not None and (piece & field).sum() > _MOST * max(field.sum(), 1)
+        if not limb and foreign.sure[piece].mean() * np.median(above[piece]) > _HAND:
             hands |= piece
     likely = foreign.likely > _LIKELY
     above = heights - _ground(heights, sure * ~likely)

@@ -99,3 +99,14 @@ def test_a_limb_stays_under_a_hand_of_nearly_its_colours():
     assert hands[where & (Y < 45)].mean() > 0.8
     assert hands[~where].mean() < 0.03
     assert abs(found.gamma - limb)[(abs(X - 48) < 8) & (abs(Y - 27) < 7)].mean() < 10  # it was 30
+
+
+def test_what_covers_most_of_the_field_is_the_field_though_a_hand_lies_on_it():
+    limb = abs(Y - 27) < 8
+    field = (abs(Y - 27) < 10) & (abs(X - 40) < 16)
+    coloured = ForeignShare(sleeve(limb).sure, NOWHERE.likely)
+    given = surface(ground() + 30.0 * limb)
+    assert without_resting_hands(given, coloured, 1.0)[1][field].mean() > 0.5
+    found, hands = without_resting_hands(given, coloured, 1.0, field)
+    assert found is given
+    assert not hands.any()
