@@ -27,6 +27,7 @@ from mcsl_core.alignment.dense_matching import AlignedCamera, DenseSettings, mat
 from mcsl_core.alignment.observations import spread
 from mcsl_core.alignment.relief.cameras import ReliefCameras
 from mcsl_core.alignment.relief.matching import _BY_RELIEF, Views, _laid_by, _matched, relief_cameras
+from mcsl_core.alignment.relief.rig import Rig
 from mcsl_core.alignment.settings import SolveSettings
 from mcsl_core.alignment.steady import steady_view
 from mcsl_core.edl.placement import first_of_perspective, placement_matrix
@@ -76,8 +77,8 @@ def seen_poses(made: edl.Edl, samples: SampleStore) -> list[SeenPose | None]:
         pictures = [samples[i].pictures for i in spread(shown, SolveSettings().dense_moments)]
         steady = {name: steady_view([p.get(name) for p in pictures]) for name in sizes}
         views = Views(made.reference, sizes, steady, pictures)
-        rig = next((p.cameras.projections for p in reversed(found) if p and p.cameras), None)
-        cameras = relief_cameras(views, homographies, rig)
+        rigs = [Rig(p.cameras.projections, p.cameras.matches) for p in found if p and p.cameras]
+        cameras = relief_cameras(views, homographies, rigs)
         matches = {} if cameras is None else _matched(views, _laid_by(cameras, views), _BY_RELIEF).all
         found.append(SeenPose(views, cameras, matches))
     return found

@@ -27,6 +27,7 @@ from .protocol import Features, Matcher
 from .relief.cameras import ReliefCameras
 from .relief.estimation import PoseRelief
 from .relief.matching import Views
+from .relief.rig import Rig
 from .settings import SolveSettings
 
 NOTHING = Features(np.zeros((0, 2), np.float32), np.zeros((0, 1), np.float32), (1, 1))
@@ -97,7 +98,9 @@ class SolvedPose:
     drawn : tuple of (FrameRange, (H, W) bool array)
         In order: the field drawn by hand, which over its range holds in place of ``aligned.field``.
     scene : SeenScene, optional
-        How its cameras see the relief, which poses after it go by where a camera shows them little.
+        How its cameras see the relief.
+    rig : Rig, optional
+        How they lie, which other poses go by where a camera shows them little.
     relief : PoseRelief, optional
         Over programme pixels, once it is anchored.
     """
@@ -109,6 +112,7 @@ class SolvedPose:
     field_by: str = PICTURES
     drawn: tuple[tuple[FrameRange, Mask], ...] = ()
     scene: SeenScene | None = None
+    rig: Rig | None = None
     relief: PoseRelief | None = None
 
     def fields(self) -> list[tuple[FrameRange, Mask, str]]:

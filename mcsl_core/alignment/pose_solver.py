@@ -16,7 +16,7 @@ from attrs import field, frozen
 
 from mcsl_core.edl import Colour, Pose, Weak
 from mcsl_core.edl.field import MIDDLE, PICTURES
-from mcsl_core.imaging.geometry import Array, size_at_columns, to_edl_matrix
+from mcsl_core.imaging.geometry import size_at_columns, to_edl_matrix
 from mcsl_core.imaging.masks import Mask, central_ellipse, resize_mask
 from mcsl_core.progress import Progress
 from mcsl_core.timing import FrameRange
@@ -33,6 +33,7 @@ from .protocol import Aligner, Alignment, Matcher
 from .relief.cameras import ReliefCameras
 from .relief.matching import Views, field_pairs, relief_cameras
 from .relief.protocol import PlaneRelief, ReliefEstimator
+from .relief.rig import Rig
 from .settings import SolveSettings
 from .steady import SteadyView, steady_view
 
@@ -78,7 +79,7 @@ class PoseSolver:
         progress: Progress,
         *,
         known: Mask | None = None,
-        rig: Mapping[str, Array] | None = None,
+        rigs: Sequence[Rig] = (),
     ) -> SolvedPose:
         """Solves one pose.
 
@@ -94,8 +95,8 @@ class PoseSolver:
             Told of weak cameras.
         known : (H, W) bool array, optional
             Where the field lies in the reference camera's picture, of any size; it is looked for without.
-        rig : mapping of str to (3, 4) array, optional
-            Camera -> its projection in a pose before, for cameras that show little in this one.
+        rigs : sequence of Rig, optional
+            Of other poses, for cameras that show little in this one.
 
         Returns
         -------
@@ -111,14 +112,15 @@ class PoseSolver:
         pictures = [samples[i].pictures for i in for_dense]
         steady = {name: steady_view([shown.get(name) for shown in pictures]) for name in self.sizes}
         views = Views(self.reference, self.sizes, steady, pictures)
-        cameras = relief_cameras(views, first.homographies, rig)
+        cameras = relief_cameras(views, first.homographies, rigs)
         if known is None:  # what is found in views laid by their points lays them well enough to find it again
             coarse = self._field(first, for_field, samples)
             field = self._field(self._together(first, by_points, cameras, coarse, views), for_field, samples)
         else:
             field = known
         tied = self._together(first, by_points, cameras, field, views)
-        alignment = self._confirmed(tied, steady)
+        told = set() if cameras is None else Rig(cameras.projections, cameras.matches).told()
+        alignment = self._confirmed(tied, {name: view for name, view in steady.items() if name not in told})
         _tell_of_weak(alignment, frames, progress)
         aligned = self._aligned(alignment, settings.scene_width)
         sure = known is not None or bool(field.any() and shared_aim(self._aligned(tied, aligned.size[0])) >= ONE_AIM)
@@ -127,7 +129,10 @@ class PoseSolver:
         pose = _pose(frames, alignment, [samples.frames[i] for i in clear], colours_of(aligned, pictures))
         kept = {name: Observations(own.features[::4], own.field) for name, own in observations.items()}
         by = PICTURES if sure else MIDDLE
-        return SolvedPose(pose, aligned, tuple(for_dense), kept, by, (), cameras and SeenScene(cameras, views))
+        solved = SolvedPose(pose, aligned, tuple(for_dense), kept, by)
+        if cameras is None:
+            return solved
+        return attrs.evolve(solved, scene=SeenScene(cameras, views), rig=Rig(cameras.projections, cameras.matches))
 
     def _clear(self, standing: Sequence[int], samples: Samples) -> list[int]:
         """The samples to find points in."""

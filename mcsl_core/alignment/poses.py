@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import attrs
 import cv2
 import numpy as np
-from attrs import frozen
+from attrs import field, frozen
 
 from mcsl_core.edl import DrawnField, Movement
 from mcsl_core.edl.field import drawn_over
-from mcsl_core.imaging.geometry import Array, scaling, size_at_columns, to_edl_matrix, transform_points
+from mcsl_core.imaging.geometry import scaling, size_at_columns, to_edl_matrix, transform_points
 from mcsl_core.imaging.masks import Mask, polygon_mask, resize_mask
 from mcsl_core.progress import HeldNotes, Progress
 from mcsl_core.recording.sample_store import SampleStore
@@ -22,9 +22,11 @@ from .anchoring import anchor
 from .observations import SolvedPose
 from .pose_solver import PoseSolver
 from .relief.estimation import PoseRelief, estimate_relief, surface_pairs
+from .relief.rig import Rig
 
 _COVERED = 0.05  # of the field by hands that rest, from which its planes are laid anew
 _ENOUGH = 3  # samples with the reference camera's picture from which a pose is solved in its view
+_AHEAD = 2  # poses that are solved before their turn for one that lacks a camera: so many are held at once
 
 
 def pose_ranges(movements: Sequence[Movement], frames: int) -> list[FrameRange]:
@@ -43,13 +45,13 @@ def solve_poses(
     drawn: Sequence[DrawnField] = (),
 ) -> list[SolvedPose]:
     """Every pose of a recording of so many ``frames`` in order, each anchored to those before; ``drawn``: by hand."""
-    recording = _Recording(solver, samples, drawn, progress)
     solved: list[SolvedPose] = []
     ranges = pose_ranges(movements, frames)
+    standing = [samples.standing(within, movements) or samples.within(within) for within in ranges]
+    recording = _Recording(solver, samples, drawn, progress, ranges, standing)
     progress.stage("Aligning the views", len(ranges), "poses")
-    for within in ranges:
-        standing = samples.standing(within, movements) or samples.within(within)
-        solved.append(recording.solved(within, standing, solved))
+    for at in range(len(ranges)):
+        solved.append(recording.solved(at, solved))
         solved = with_needed_points(solved)
         progress.advance(len(solved))
     return solved
@@ -69,28 +71,97 @@ def _without_evidence(pose: SolvedPose) -> SolvedPose:
 
 @frozen(eq=False)
 class _Recording:
-    """What every pose of a recording is solved by and from; ``drawn``: the field by hand, in programme pixels."""
+    """What every pose of a recording is solved by and from.
+
+    drawn: the field by hand, in programme pixels. ranges, standing: each pose's frames and samples. ahead: poses that
+    were solved before their turn, with what was told of them.
+    """
 
     solver: PoseSolver
     samples: SampleStore
     drawn: Sequence[DrawnField]
     progress: Progress
+    ranges: Sequence[FrameRange]
+    standing: Sequence[Sequence[int]]
+    ahead: dict[int, tuple[SolvedPose, HeldNotes]] = field(factory=dict)
 
-    def solved(self, within: FrameRange, standing: Sequence[int], earlier: Sequence[SolvedPose]) -> SolvedPose:
+    def solved(self, at: int, earlier: Sequence[SolvedPose]) -> SolvedPose:
         """A pose, anchored; once more by the field that is drawn, which is known in its pictures by its anchor."""
-        held = HeldNotes(self.progress)  # what is told is told of the pose that counts
-        found = self._anchored(_solved(self.solver, within, standing, self.samples, earlier, held), earlier, held)
+        found, held, rigs = self._by_best_rig(at, earlier)  # what is told is told of the pose that counts
+        found = self._anchored(found, earlier, held)
         drawn = self._drawn_in(found, held)
         if not drawn:
             held.tell()
             return found
-        whole = sum(len(piece) for piece, _ in drawn) == len(within)
+        whole = sum(len(piece) for piece, _ in drawn) == len(self.ranges[at])
         known = np.logical_or.reduce([mask for _, mask in drawn] + ([] if whole else [found.aligned.field]))
-        again = _solved(self.solver, within, standing, self.samples, earlier, self.progress, known)
+        again = self._once(at, earlier, rigs, self.progress, known)
         again = self._anchored(again, earlier, self.progress)
         aligned = attrs.evolve(again.aligned, field=known if whole else found.aligned.field)
         again = attrs.evolve(again, aligned=aligned, field_by=found.field_by)
         return attrs.evolve(again, drawn=self._drawn_in(again, self.progress) or drawn)
+
+    def _by_best_rig(self, at: int, earlier: Sequence[SolvedPose]) -> tuple[SolvedPose, HeldNotes, list[Rig]]:
+        """A pose, what is told of it, and the rigs it was solved by; where it lacks a camera by one after it as well.
+
+        A head may hide the field from a camera through all of the first pose: left out, or 2 to 9 times its best
+        plane's error off, it was at 1.0 to 1.4 as the second pose has it.
+        """
+        rigs = [pose.rig for pose in earlier if pose.rig is not None]
+        pose, held = self.ahead.pop(at, None) or self._held(at, earlier, rigs)
+        lacking = self._lacking(at, pose, rigs)
+        for later in range(at + 1, min(at + 1 + _AHEAD, len(self.ranges))):
+            if not lacking or not self._shown(later):
+                break
+            if later not in self.ahead:
+                self.ahead[later] = self._held(later, earlier, [*rigs, *([pose.rig] if pose.rig else [])])
+            rig = self.ahead[later][0].rig
+            if rig is not None and rig.sure() & lacking:
+                rigs = [*rigs, rig]
+                return *self._held(at, earlier, rigs), rigs
+        return pose, held, rigs
+
+    def _held(self, at: int, earlier: Sequence[SolvedPose], rigs: Sequence[Rig]) -> tuple[SolvedPose, HeldNotes]:
+        held = HeldNotes(self.progress)
+        return self._once(at, earlier, rigs, held), held
+
+    def _lacking(self, at: int, pose: SolvedPose, rigs: Sequence[Rig]) -> set[str]:
+        """Cameras with pictures that neither the pose nor a rig ties well; none where the reference camera has none."""
+        if not self._shown(at):
+            return set()
+        known = set().union(*(rig.sure() for rig in rigs))
+        tied = set() if pose.rig is None else pose.rig.sure() | pose.rig.told() | (known & pose.rig.projections.keys())
+        return {n for n in self.solver.sizes if any(self.samples.shows(i, n) for i in self.standing[at])} - tied
+
+    def _shown(self, at: int) -> list[int]:
+        """The samples in which the reference camera has a picture, if they are enough to solve the pose in its view."""
+        standing = self.standing[at]
+        shown = [position for position in standing if self.samples.shows(position, self.solver.reference)]
+        return shown if len(shown) >= min(_ENOUGH, len(standing)) else []
+
+    def _once(
+        self,
+        at: int,
+        earlier: Sequence[SolvedPose],
+        rigs: Sequence[Rig],
+        progress: Progress,
+        known: Mask | None = None,
+    ) -> SolvedPose:
+        """A pose, from the samples in which the reference camera has a picture; without any, from another's view."""
+        solver, samples, within, standing = self.solver, self.samples, self.ranges[at], self.standing[at]
+        shown = self._shown(at)
+        if shown:
+            return solver.solve(within, shown, samples, progress, known=known, rigs=rigs)
+        seen = {name: sum(samples.shows(position, name) for position in standing) for name in solver.sizes}
+        tied = earlier[-1].aligned.homographies if earlier else {}
+        stand_in = max(seen, key=lambda name: (2 * seen[name] >= len(standing), name in tied, seen[name]))
+        if stand_in == solver.reference:
+            return solver.solve(within, standing, samples, progress)
+        progress.note(
+            f"frames {within}: {solver.reference}, the reference camera, has no picture; the others lie by {stand_in}"
+        )
+        pose = attrs.evolve(solver, reference=stand_in).solve(within, standing, samples, progress)
+        return _laid_by(pose, solver, earlier[-1] if stand_in in tied else None)
 
     def _anchored(self, pose: SolvedPose, earlier: Sequence[SolvedPose], progress: Progress) -> SolvedPose:
         solver = self.solver
@@ -126,31 +197,6 @@ class _Recording:
         return tuple(found)
 
 
-def _solved(
-    solver: PoseSolver,
-    within: FrameRange,
-    standing: Sequence[int],
-    samples: SampleStore,
-    earlier: Sequence[SolvedPose],
-    progress: Progress,
-    known: Mask | None = None,
-) -> SolvedPose:
-    """One pose, from the samples in which the reference camera has a picture; without any, from another's view."""
-    shown = [position for position in standing if samples.shows(position, solver.reference)]
-    if len(shown) >= min(_ENOUGH, len(standing)):
-        return solver.solve(within, shown, samples, progress, known=known, rig=_rig(earlier))
-    seen = {name: sum(samples.shows(position, name) for position in standing) for name in solver.sizes}
-    tied = earlier[-1].aligned.homographies if earlier else {}
-    stand_in = max(seen, key=lambda name: (2 * seen[name] >= len(standing), name in tied, seen[name]))
-    if stand_in == solver.reference:
-        return solver.solve(within, standing, samples, progress)
-    progress.note(
-        f"frames {within}: {solver.reference}, the reference camera, has no picture; the others lie by {stand_in}"
-    )
-    pose = attrs.evolve(solver, reference=stand_in).solve(within, standing, samples, progress)
-    return _laid_by(pose, solver, earlier[-1] if stand_in in tied else None)
-
-
 def _planes_under_hands(pose: SolvedPose, relief: PoseRelief, solver: PoseSolver) -> SolvedPose:
     """The pose by planes that serve the field itself, where hands rest over it: matches took their height for its own.
 
@@ -179,11 +225,6 @@ def _planes_under_hands(pose: SolvedPose, relief: PoseRelief, solver: PoseSolver
     return attrs.evolve(pose, pose=made, aligned=attrs.evolve(aligned, homographies=homographies))
 
 
-def _rig(earlier: Sequence[SolvedPose]) -> Mapping[str, Array] | None:
-    """The projections of the last pose that has any."""
-    return next((pose.scene.cameras.projections for pose in reversed(earlier) if pose.scene is not None), None)
-
-
 def _laid_by(pose: SolvedPose, solver: PoseSolver, before: SolvedPose | None) -> SolvedPose:
     """A pose solved in another camera's view, in the reference camera's: by how that camera lay in the pose before.
 
@@ -203,4 +244,4 @@ def _laid_by(pose: SolvedPose, solver: PoseSolver, before: SolvedPose | None) ->
     weak = tuple(w for w in pose.pose.weak if w.camera != reference)
     matrices = {name: to_edl_matrix(h) for name, h in homographies.items()}
     made = attrs.evolve(pose.pose, homographies=matrices, colour=colour, weak=weak)
-    return attrs.evolve(pose, pose=made, aligned=aligned, scene=None)
+    return attrs.evolve(pose, pose=made, aligned=aligned, scene=None, rig=None)

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from attrs import frozen
+from attrs import field, frozen
 from numpy.typing import NDArray
 
 from mcsl_core.imaging.geometry import Array, half_widths, inverse, project, transform_points
@@ -63,11 +63,14 @@ class ReliefCameras:
         x and y, full-size reference pixels, and gamma of the scene points that agree.
     residual_px : mapping of str to float
         Median distance of a camera's matches from where its projection has them, in its full-size pixels.
+    matches : mapping of str to int
+        How many steady places tie a camera; 0 where another pose told how it lies.
     """
 
     projections: Mapping[str, Array]
     points: Array
     residual_px: Mapping[str, float]
+    matches: Mapping[str, int] = field(factory=dict)
 
 
 def tracks_of(pairs: Pairs, cameras: Sequence[str]) -> Tracks:
@@ -106,17 +109,15 @@ def tracks_of(pairs: Pairs, cameras: Sequence[str]) -> Tracks:
     return Tracks(tuple(cameras), np.concatenate(parts) if parts else np.zeros((0, len(cameras), 2)))
 
 
-def solve_cameras(
-    tracks: Tracks, homographies: Mapping[str, Array], sizes: Mapping[str, tuple[int, int]]
-) -> dict[str, Array]:
+def solve_cameras(tracks: Tracks, start: Mapping[str, Array], sizes: Mapping[str, tuple[int, int]]) -> dict[str, Array]:
     """Finds the projections.
 
     Parameters
     ----------
     tracks : Tracks
         Of all cameras, each with some hundred points; wrong ones may be among them.
-    homographies : mapping of str to (3, 3) array
-        Camera -> its plane, full-size camera pixel -> reference pixel: where it starts.
+    start : mapping of str to (3, 3) or (3, 4) array
+        Where it starts: camera -> its plane, full-size camera pixel -> reference pixel; or its projection.
     sizes : mapping of str to (int, int)
         Every camera's full width and height.
 
@@ -127,10 +128,14 @@ def solve_cameras(
     """
     norm = {name: half_widths(sizes[name]) for name in tracks.cameras}
     first = norm[tracks.cameras[0]]
-    planes = [norm[n] @ inverse(first @ homographies[n]) for n in tracks.cameras]
-    projections = np.stack([np.column_stack([plane / plane[2, 2], np.zeros(3)]) for plane in planes])
     problem = _Problem.of(tracks, norm)
-    projections, points = problem.started(projections)
+    if start[tracks.cameras[0]].shape == (3, 4):
+        projections = _within(start, tracks.cameras, norm)
+        points, _, _ = _located(tracks, start, sizes)
+    else:
+        planes = [norm[n] @ inverse(first @ start[n]) for n in tracks.cameras]
+        flat = np.stack([np.column_stack([plane / plane[2, 2], np.zeros(3)]) for plane in planes])
+        projections, points = problem.started(flat)
     damping = 1e-3
     for scale in _SCALES:
         for _ in range(_STEPS):
@@ -210,21 +215,39 @@ def confirmed(
     return found
 
 
+def disagreement(tracks: Tracks, projections: Mapping[str, Array], sizes: Mapping[str, tuple[int, int]]) -> float:
+    """How little the matches agree with known projections, 0..1, wherever the points lie; ``tracks`` etc.: `locate`'s.
+
+    Geman-McClure's loss in the mean: half of it is what a match has that lies off by 1.5 px of 960.
+    """
+    if not len(tracks.seen):
+        return 1.0
+    _, off, _ = _located(tracks, projections, sizes)
+    ratio = (off[np.isfinite(off)] / _AGREES) ** 2
+    return float((ratio / (1 + ratio)).mean())
+
+
 def _located(
     tracks: Tracks, projections: Mapping[str, Array], sizes: Mapping[str, tuple[int, int]]
 ) -> tuple[Array, Array, Array]:
     """((N, 3) points, (N, K) how far off each camera sees them, inf where not, (3, 3) the reference's scale)."""
     norm = {name: half_widths(sizes[name]) for name in tracks.cameras}
-    back = inverse(norm[tracks.cameras[0]])
-    own = [norm[n] @ projections[n] for n in tracks.cameras]
-    within = np.stack([np.column_stack([p[:, :3] @ back, p[:, 3]]) for p in own])
+    within = _within(projections, tracks.cameras, norm)
     problem = _Problem.of(tracks, norm)
-    _, points = problem.started(np.concatenate([within[..., :3], np.zeros((len(own), 3, 1))], axis=2))
+    _, points = problem.started(np.concatenate([within[..., :3], np.zeros((len(within), 3, 1))], axis=2))
     points[:, 2] = 0
     for scale in _SCALES:
         points = problem.point_step(within, points, scale)
     off = np.where(problem.sees, np.linalg.norm(_projected(within, points) - problem.seen, axis=2), np.inf)
     return points, off, norm[tracks.cameras[0]]
+
+
+def _within(projections: Mapping[str, Array], cameras: Sequence[str], norm: Mapping[str, Array]) -> Array:
+    """(K, 3, 4) projections in half widths; [2, 2] is 1."""
+    back = inverse(norm[cameras[0]])
+    own = [norm[name] @ projections[name] for name in cameras]
+    within = np.stack([np.column_stack([p[:, :3] @ back, p[:, 3]]) for p in own])
+    return within / within[:, 2:3, 2:3]
 
 
 def _projected(projections: Array, points: Array) -> Array:

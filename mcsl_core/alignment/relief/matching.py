@@ -20,7 +20,7 @@ from ..steady import SteadyView
 from .cameras import ReliefCameras, Tracks, confirmed, locate, solve_cameras, tracks_of
 from .field_surface import field_gamma, height_of_gamma, knows_up
 from .interpolation import gamma_map
-from .rig import moved_rig
+from .rig import Rig, helpful, moved_rig, zoomed_rig
 from .standing import standing_above
 
 WIDTH = 480  # columns of the views that are matched: more found no more, and took its time
@@ -32,7 +32,6 @@ _LEAST = 150  # matches of a camera: with fewer it spoils itself and the others
 # rule); where a head before the reference had tied them by chance there were no such points, or 0.57 to 0.67.
 _JUDGED, _RIGHT = 20, 0.75
 _RATHER = 0.6  # laid by planes 20 px off, a limb's cameras saw 0.70 there; by the relief found so they are judged again
-_SURE = 600  # matches of a camera that the rig has nothing to tell about
 _PLENTY = 1200  # with fewer its single samples are matched as well
 _SAMPLES = 12
 # Hands may work all over the field all the while: of a pose with 0 of the middle covered by what is steady the planes
@@ -72,9 +71,7 @@ class Views:
         return size_at_columns(self.sizes[self.reference], WIDTH)
 
 
-def relief_cameras(
-    views: Views, homographies: Mapping[str, Array], rig: Mapping[str, Array] | None = None
-) -> ReliefCameras | None:
+def relief_cameras(views: Views, homographies: Mapping[str, Array], rigs: Sequence[Rig] = ()) -> ReliefCameras | None:
     """The projections of the cameras that show enough of the same, and the points they were found by.
 
     Parameters
@@ -83,8 +80,8 @@ def relief_cameras(
         What the cameras show.
     homographies : mapping of str to (3, 3) array
         Camera -> its plane, full-size camera pixel -> reference pixel, to some 5 % of a diagonal.
-    rig : mapping of str to (3, 4) array, optional
-        Projections in another pose, which tell of cameras that show little in this one.
+    rigs : sequence of Rig
+        Of other poses, which tell of cameras that show little in this one.
 
     Returns
     -------
@@ -102,21 +99,28 @@ def relief_cameras(
     planes = pixels_of(views.size)
     laid = {n: transform_points(inverse(to_views @ homographies[n]), planes) for n in names}
     by_plane = _matched(views, laid, _BY_PLANE)
+    found = _by_planes(by_plane, names, views, homographies)
+    shown = {name for name, view in views.steady.items() if view is not None}
+    rig = helpful(rigs, shown - Rig({}, found.matches if found else {}).sure())
+    return found if rig is None else _by_rig(found, by_plane, rig, views)
+
+
+def _by_planes(
+    by_plane: _Matches, names: Sequence[str], views: Views, homographies: Mapping[str, Array]
+) -> ReliefCameras | None:
+    """As the planes start them, laid by what is found once more."""
     found = _solved(by_plane, names, views, homographies, _RATHER)
     if found is None:
         return None
-    told = list(found[0].projections)
-    matches, best = _matched(views, _laid_by(found[0], views), _BY_RELIEF), None
-    for start in (homographies, _planes_of(found[0])):
+    told = list(found.projections)
+    matches, best = _matched(views, _laid_by(found, views), _BY_RELIEF), None
+    for start in (homographies, _planes_of(found)):
         again = _solved(matches, told, views, start)
-        if again is not None and (best is None or len(again[0].projections) > len(best[0].projections)):
+        if again is not None and (best is None or len(again.projections) > len(best.projections)):
             best = again
-        if best is not None and len(best[0].projections) == len(told):
+        if best is not None and len(best.projections) == len(told):
             break
-    found = best or _solved(by_plane, names, views, homographies)
-    if found is None:
-        return None
-    return _by_rig(*found, rig, views) if rig else found[0]
+    return best or _solved(by_plane, names, views, homographies)
 
 
 def _planes_of(cameras: ReliefCameras) -> dict[str, Array]:
@@ -129,33 +133,57 @@ def _planes_of(cameras: ReliefCameras) -> dict[str, Array]:
     return {name: inverse(p @ lifted) for name, p in cameras.projections.items()}
 
 
-def _by_rig(cameras: ReliefCameras, steady: Pairs, rig: Mapping[str, Array], views: Views) -> ReliefCameras:
-    """The same, of cameras that show little what the rig tells; they are sure by what they show steadily."""
-    counted = tracks_of(steady, list(cameras.projections)).counted()
-    sure = {name: p for name, p in cameras.projections.items() if counted[name] >= _SURE or name == views.reference}
+def _by_rig(found: ReliefCameras | None, by_plane: _Matches, rig: Rig, views: Views) -> ReliefCameras | None:
+    """As a rig starts them; of cameras that show little what it tells.
+
+    With the reference's field behind a head all the while its drapes alone tie it, planes lay nothing near enough to be
+    matched and cameras were 3.5 px of 960 off or left out; started by the rig of another pose 0.1.
+    """
+    names = [n for n in rig.projections if n == views.reference or views.steady.get(n) is not None]
+    zoomed, matches = zoomed_rig(rig.projections, tracks_of(by_plane.all, names), views.sizes), by_plane
+    if zoomed is None:  # heads alone may match where they are all that is seen, and lead planes anywhere
+        laid = _laid_on(np.zeros(views.size[::-1], np.float32), rig.projections, views)
+        matches = _matched(views, {name: laid[name] for name in names}, _BY_PLANE)
+        zoomed = zoomed_rig(rig.projections, tracks_of(matches.all, names), views.sizes)
+    if zoomed is None:
+        return found
+    own = ReliefCameras({n: zoomed[n] for n in names}, np.zeros((0, 3)), {})
+    for _ in range(2):
+        laid = locate(tracks_of(matches.all, list(own.projections)), own.projections, views.sizes)
+        if len(laid.points) < _LEAST:
+            return found
+        matches = _matched(views, _laid_by(laid, views), _BY_RELIEF)
+        again = _solved(matches, list(own.projections), views, own.projections)
+        if again is None:
+            return found
+        own = _told(again, zoomed, views)
+    if found is None or len(own.projections) >= len(found.projections):
+        return own
+    return _told(found, zoomed, views)
+
+
+def _told(cameras: ReliefCameras, rig: Mapping[str, Array], views: Views) -> ReliefCameras:
+    """The same, and of cameras that share too little what the rig tells, in terms of those that many places tie."""
+    names = Rig(cameras.projections, cameras.matches).sure() | {views.reference}
+    sure = {name: p for name, p in cameras.projections.items() if name in names}
     moved = moved_rig(rig, sure, cameras.points, views.reference, views.sizes)
-    told = {} if moved is None else {name: p for name, p in moved.items() if name not in sure}
-    if not told:
-        return cameras
-    projections = {**cameras.projections, **told}
-    own = {pair: matches for pair, matches in steady.items() if pair[0] == views.reference and pair[1] not in told}
-    names = [name for name in cameras.projections if name not in told]
-    located = locate(tracks_of(own, names), projections, views.sizes)
-    return ReliefCameras(projections, located.points, {**dict.fromkeys(told, 0.0), **located.residual_px})
+    told = {} if moved is None else {name: p for name, p in moved.items() if name not in cameras.projections}
+    matches = {**cameras.matches, **dict.fromkeys(told, 0)}
+    return attrs.evolve(cameras, projections={**cameras.projections, **told}, matches=matches)
 
 
 def _laid_by(cameras: ReliefCameras, views: Views) -> dict[str, Array]:
     """Camera -> (H * W, 2): where it sees what the relief has at every pixel of the reduced reference picture."""
-    return _laid_on(gamma_map(_in_views(cameras.points, views), views.size), cameras, views)
+    return _laid_on(gamma_map(_in_views(cameras.points, views), views.size), cameras.projections, views)
 
 
-def _laid_on(gamma: NDArray[np.float32], cameras: ReliefCameras, views: Views) -> dict[str, Array]:
+def _laid_on(gamma: NDArray[np.float32], projections: Mapping[str, Array], views: Views) -> dict[str, Array]:
     """The same of any surface over the reduced reference picture."""
     to_views = scaling(views.sizes[views.reference], views.size)
     scene = np.column_stack(
         [transform_points(inverse(to_views), pixels_of(views.size)), gamma.ravel().astype(np.float64)]
     )
-    return {name: project(p, scene) for name, p in cameras.projections.items()}
+    return {name: project(p, scene) for name, p in projections.items()}
 
 
 @frozen(eq=False)
@@ -220,8 +248,8 @@ def _joined(first: Correspondences, second: Correspondences) -> Correspondences:
 
 
 def _solved(
-    found: _Matches, names: Sequence[str], views: Views, homographies: Mapping[str, Array], least: float = _RIGHT
-) -> tuple[ReliefCameras, Pairs] | None:
+    found: _Matches, names: Sequence[str], views: Views, start: Mapping[str, Array], least: float = _RIGHT
+) -> ReliefCameras | None:
     """By those cameras that share enough with the others."""
     names = list(names)
     while True:
@@ -229,7 +257,7 @@ def _solved(
         counted = tracks.counted()
         poorest = min(names, key=counted.__getitem__)
         if counted[poorest] >= _LEAST:
-            projections = solve_cameras(tracks, homographies, views.sizes)
+            projections = solve_cameras(tracks, start, views.sizes)
             right = confirmed(tracks, projections, views.sizes) if len(names) > 2 else {}
             wrong = [n for n, (judged, share) in right.items() if judged < _JUDGED or share < least]
             if not wrong:
@@ -244,7 +272,9 @@ def _solved(
     # What the reference does not see only two cameras do, as a rule: where they lie is a word without a witness.
     own = {pair: matches for pair, matches in steady.items() if pair[0] == names[0]}
     located = locate(tracks_of(own, names), projections, views.sizes)
-    return None if len(located.points) < _LEAST else (located, steady)
+    if len(located.points) < _LEAST:
+        return None
+    return attrs.evolve(located, matches=tracks_of(steady, names).counted())
 
 
 def field_pairs(cameras: ReliefCameras, field: Mask, views: Views) -> Pairs:
@@ -311,11 +341,17 @@ def _seen_again(cameras: ReliefCameras, gamma: NDArray[np.float32], mask: Mask, 
     """
     width, height = views.size
     area = cv2.dilate(mask.astype(np.uint8), np.ones((9, 9), np.uint8)) > 0
-    laid = {n: at.reshape(height, width, 2).astype(np.float32) for n, at in _laid_on(gamma, cameras, views).items()}
+    laid = {
+        n: at.reshape(height, width, 2).astype(np.float32)
+        for n, at in _laid_on(gamma, cameras.projections, views).items()
+    }
     found = [_agreed(laid, cameras, area, views, views.reference, steady) for steady in (True, False)]
     asked = area[:: _CLOSELY.grid_px, :: _CLOSELY.grid_px].sum()
+    others = [name for name in laid if name != views.reference]
     if sum(map(len, found)) < _FEW_SEEN * asked:  # a head before the reference: what three others see
-        found += [_agreed(laid, cameras, area, views, name, False) for name in laid if name != views.reference]
+        found += [_agreed(laid, cameras, area, views, name, False) for name in others]
+    if sum(map(len, found)) < _FEW_SEEN * asked:  # and before more: what two have in common that stays
+        found += [_agreed(laid, cameras, area, views, name, True) for name in others]
     return np.concatenate(found)
 
 

@@ -8,8 +8,11 @@ import pytest
 from cloth_scene import RIG, SIZE, cloth, hill, taken, waves
 
 from mcsl_core.alignment.relief.matching import Views, field_pairs, relief_cameras
+from mcsl_core.alignment.relief.rig import Rig
 from mcsl_core.alignment.steady import SteadyView
 from mcsl_core.imaging.geometry import project
+
+FOURTH = np.array([[-0.2, 0.98, 155.0, -0.6], [-0.98, -0.2, 397.0, -0.7], [3e-5, -3e-5, 1.0, 2e-4]])
 
 
 @pytest.fixture(scope="module")
@@ -86,8 +89,7 @@ def test_where_hands_work_all_over_the_middle_single_samples_speak(pictures) -> 
 
 
 def test_a_field_hidden_from_the_reference_is_known_by_what_three_others_see() -> None:
-    fourth = np.array([[-0.2, 0.98, 155.0, -0.6], [-0.98, -0.2, 397.0, -0.7], [3e-5, -3e-5, 1.0, 2e-4]])
-    rig = {**RIG, "d": fourth}
+    rig = {**RIG, "d": FOURTH}
     over = cloth()
     pictures = {name: taken(own, over, waves) for name, own in rig.items()}
     head = np.ones(SIZE[::-1], np.uint8)
@@ -104,3 +106,38 @@ def test_a_field_hidden_from_the_reference_is_known_by_what_three_others_see() -
         inside = matches.weight == 1
         there = project(rig[name], np.column_stack([matches.a, waves(matches.a)]))[inside]
         assert np.median(np.hypot(*(matches.b[inside] - there).T)) < 0.5, name
+
+
+def told(zoom: float) -> Rig:
+    """The cameras as another pose has them: before a zoom, over a plane and scale of its own."""
+    there = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [2e-3, -1e-3, 0.4, 1.3]])
+    middle = np.array([[1 / zoom, 0, (1 - 1 / zoom) * 239.5], [0, 1 / zoom, (1 - 1 / zoom) * 134.5], [0, 0, 1]])
+    space = np.eye(4)
+    space[:3, :3] = np.linalg.inv(middle)
+    known = {name: middle @ own @ space @ there for name, own in {**RIG, "d": FOURTH}.items()}
+    return Rig({name: p / p[2, 2] for name, p in known.items()}, dict.fromkeys(known, 2000))
+
+
+@pytest.mark.parametrize("zoom", [1.0, 1.04])
+def test_a_camera_that_no_plane_ties_is_started_by_the_rig_of_another_pose(zoom: float) -> None:
+    over = cloth()
+    seen = views({name: taken(own, over) for name, own in {**RIG, "d": FOURTH}.items()})
+    alone = relief_cameras(seen, planes())
+    assert alone is not None
+    assert "d" not in alone.projections
+    found = relief_cameras(seen, planes(), [told(zoom)])
+    assert found is not None
+    scene = np.column_stack([found.points[:, :2], hill(found.points[:, :2])])
+    for name, own in {**RIG, "d": FOURTH}.items():
+        assert np.median(np.hypot(*(project(found.projections[name], found.points) - project(own, scene)).T)) < 0.3
+    assert found.matches["d"] > 600
+
+
+def test_of_a_camera_behind_a_head_the_rig_tells_and_says_that_it_was_told() -> None:
+    over = cloth()
+    seen = views({**{name: taken(own, over) for name, own in RIG.items()}, "d": np.zeros((270, 480, 3), np.uint8)})
+    found = relief_cameras(seen, planes(), [told(1.04)])
+    assert found is not None
+    assert found.matches["d"] == 0
+    scene = np.column_stack([found.points[:, :2], hill(found.points[:, :2])])
+    assert np.median(np.hypot(*(project(found.projections["d"], found.points) - project(FOURTH, scene)).T)) < 0.5
