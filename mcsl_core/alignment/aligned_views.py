@@ -9,6 +9,7 @@ from collections.abc import Mapping
 
 import cv2
 import numpy as np
+from attrs import field as attrs_field
 from attrs import frozen
 from numpy.typing import NDArray
 
@@ -56,6 +57,8 @@ class AlignedPose:
         Camera -> full width and height.
     field : (H, W) bool array
         The surgical field.
+    hands : mapping of str to (H, W) bool array
+        Camera -> where a hand lies in its view that rests all through the pose; cameras without are left out.
     """
 
     size: tuple[int, int]
@@ -63,6 +66,7 @@ class AlignedPose:
     homographies: Mapping[str, Array]
     camera_sizes: Mapping[str, tuple[int, int]]
     field: Mask
+    hands: Mapping[str, Mask] = attrs_field(factory=dict)
 
     def warp_of(self, camera: str, picture_size: tuple[int, int]) -> Array:
         """The homography of a camera's reduced pictures.

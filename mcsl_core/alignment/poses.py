@@ -21,7 +21,7 @@ from .aligned_views import AlignedPose
 from .anchoring import anchor
 from .observations import SolvedPose
 from .pose_solver import PoseSolver
-from .relief.estimation import PoseRelief, estimate_relief, surface_pairs
+from .relief.estimation import PoseRelief, estimate_relief, resting_hands_in, surface_pairs
 from .relief.rig import Rig
 
 _COVERED = 0.05  # of the field by hands that rest, from which its planes are laid anew
@@ -177,6 +177,8 @@ class _Recording:
         if relief is None:
             return tied
         tied = _planes_under_hands(tied, relief, solver)
+        aligned = attrs.evolve(tied.aligned, hands=resting_hands_in(relief, tied.aligned))
+        tied = attrs.evolve(tied, aligned=aligned)
         return attrs.evolve(tied, pose=attrs.evolve(tied.pose, relief=relief.document()), relief=relief)
 
     def _drawn_in(self, pose: SolvedPose, progress: Progress) -> tuple[tuple[FrameRange, Mask], ...]:

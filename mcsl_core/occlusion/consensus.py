@@ -94,7 +94,8 @@ class Consensus:
             }
             background = self._agreed(appearances, inside, gains)
             foreign = foreign_background(self._views(background, pictures, alike, gains, inside), in_field)
-        return ConsensusScorer(aligned.field, cut, background, exposure, self.different, gains, foreign)
+        hands = {name: cut.mask(mask) for name, mask in aligned.hands.items()}
+        return ConsensusScorer(aligned.field, cut, background, exposure, self.different, gains, foreign, hands)
 
     def _views(
         self,
@@ -222,6 +223,8 @@ class ConsensusScorer:
         Camera -> factors on B, G, R that make its colours like the others'.
     foreign : ForeignBackground
         Where a background is a hand or a head that stays.
+    hands : mapping of str to (h, w) bool array
+        Camera -> where a hand rests before it in the cut-out, told by its height; see `AlignedPose`.
     """
 
     field: Mask
@@ -231,6 +234,7 @@ class ConsensusScorer:
     different: int
     gains: Mapping[str, Float]
     foreign: ForeignBackground
+    hands: Mapping[str, Mask]
 
     def score(self, views: Sequence[AlignedView]) -> Mapping[str, float]:
         """Scores the views of one frame; see `OcclusionScorer.score`."""
@@ -259,7 +263,8 @@ class ConsensusScorer:
         now = _lab(levelled(self.cut.picture(view.aligned), gain))
         differs = _differs(now, self.background[view.camera], self.different)
         alike = _recoloured(now, self.gains[view.camera])
-        return inside & (_solid(self.foreign.hidden(view.camera, alike, differs)) == 0)
+        hidden = _solid(self.foreign.hidden(view.camera, alike, differs)) > 0
+        return inside & ~hidden & ~self.hands.get(view.camera, np.zeros_like(inside))
 
 
 @frozen

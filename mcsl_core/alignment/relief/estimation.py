@@ -17,6 +17,7 @@ from mcsl_core.edl import Relief
 from mcsl_core.imaging.geometry import Array, inverse, project, scaling, size_at_columns, transform_points
 from mcsl_core.imaging.masks import Mask, central_ellipse, resize_mask
 
+from ..aligned_views import AlignedPose
 from ..correspondences import Correspondences, Pairs
 from ..steady import steady_view
 from .cameras import ReliefCameras
@@ -25,10 +26,12 @@ from .foreign import ForeignColours, foreign_colours
 from .matching import AROUND_WEIGHT, Views
 from .protocol import ReliefCamera, ReliefEstimator, ReliefScene, ReliefSurface, ReliefView
 from .resting_hands import foreign_share, without_resting_hands
+from .thin_plate import Nodes
 from .tying import tie_scene
 
 _GROUPS = 3  # of moments: a hand that rests in one of them is outvoted
 _ABOUT = 0.15  # widths about the middle, where the cameras aim: there the base plane lies in the scene
+_FINER = 4  # times as fine as the nodes hands are laid into a view
 _COLUMNS = 480  # of the picture that the field's surface is laid over for planes
 _KNOWN = 0.25  # confidence from which a node counts for them
 _FIELD_POINTS = 1500
@@ -49,12 +52,15 @@ class PoseRelief:
         Camera -> where its steady picture has the colours of what comes and goes.
     hands : (rows, columns) bool array
         The nodes of the surface where a hand rests all through the pose.
+    over : (rows, columns) array
+        Gamma with the hands, as the cameras see it.
     """
 
     scene: ReliefScene
     surface: ReliefSurface
     foreign: Mapping[str, ForeignColours]
     hands: Mask
+    over: Nodes
 
     def document(self) -> Relief:
         """As the EDL has it; of the cameras that the surface serves."""
@@ -124,12 +130,13 @@ def estimate_relief(
     if surface is None or not placed.cameras.keys() & surface.cameras:
         return None
     base = placed if before is None or known is None else before.scene
-    hands = np.zeros(surface.gamma.shape, bool)
+    over, hands = surface.gamma, np.zeros(surface.gamma.shape, bool)
     if knows_up({name: camera.projection for name, camera in base.cameras.items()}):
         share = foreign_share(surface, size, together.cameras, coloured)
         nodes = _at_nodes(field, surface, to_programme[views.reference], size)
         surface, hands = without_resting_hands(surface, share, _height(base), nodes)
-    return PoseRelief(placed, evolve(surface, cameras=surface.cameras & placed.cameras.keys()), foreign, hands)
+    served = evolve(surface, cameras=surface.cameras & placed.cameras.keys())
+    return PoseRelief(placed, served, foreign, hands, over)
 
 
 def surface_pairs(relief: PoseRelief, reference: str, field: Mask) -> Pairs:
@@ -175,6 +182,39 @@ def surface_pairs(relief: PoseRelief, reference: str, field: Mask) -> Pairs:
         for name, camera in relief.scene.cameras.items()
         if name != reference and name in relief.surface.cameras
     }
+
+
+def resting_hands_in(relief: PoseRelief, aligned: AlignedPose) -> dict[str, Mask]:
+    """Where each camera's view of an aligned pose has the hands that rest in it.
+
+    Parameters
+    ----------
+    relief : PoseRelief
+        Of the same pose.
+    aligned : AlignedPose
+        How its views lie.
+
+    Returns
+    -------
+    dict of str to (H, W) bool array
+        Of the cameras that the relief knows, at the hands' own height; empty without hands.
+    """
+    rows, columns = np.nonzero(cv2.resize(relief.hands.astype(np.uint8), None, fx=_FINER, fy=_FINER))
+    if not len(rows):
+        return {}
+    height, width = (n * _FINER for n in relief.hands.shape)
+    gamma = cv2.resize(relief.over, (width, height), interpolation=cv2.INTER_LINEAR)[rows, columns]
+    at = np.column_stack([columns, rows]) * (np.array(relief.scene.size) - 1) / (width - 1, height - 1)
+    scene = np.column_stack([at, gamma.astype(np.float64)])
+    found = {}
+    for name in relief.surface.cameras & aligned.homographies.keys():
+        seen = project(relief.scene.cameras[name].projection, scene)
+        laid = np.round(transform_points(aligned.warp_of(name, aligned.camera_sizes[name]), seen)).astype(int)
+        laid = laid[((laid >= 0) & (laid < aligned.size)).all(axis=1)]
+        mask = np.zeros(aligned.size[::-1], np.uint8)
+        mask[laid[:, 1], laid[:, 0]] = 1
+        found[name] = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8)) > 0
+    return found
 
 
 def _at_nodes(field: Mask, surface: ReliefSurface, to_programme: Array, size: tuple[int, int]) -> Mask:
