@@ -58,7 +58,7 @@ class AlignedPose:
     field : (H, W) bool array
         The surgical field.
     hands : mapping of str to (H, W) bool array
-        Camera -> where a hand lies in its view that rests all through the pose; cameras without are left out.
+        Camera -> where a hand lies in its view that rests all through the pose; none is known without.
     """
 
     size: tuple[int, int]

@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Protocol
 
 import numpy as np
-from attrs import frozen
+from attrs import evolve, frozen
 from numpy.typing import NDArray
 
 from mcsl_core.edl import Pose
@@ -114,6 +114,10 @@ class SolvedPose:
     scene: SeenScene | None = None
     rig: Rig | None = None
     relief: PoseRelief | None = None
+
+    def seeing(self, cameras: ReliefCameras, views: Views) -> SolvedPose:
+        """The pose, with how its cameras see the relief, and what they show."""
+        return evolve(self, scene=SeenScene(cameras, views), rig=Rig.of(cameras))
 
     def fields(self) -> list[tuple[FrameRange, Mask, str]]:
         """Where the field lies when: ranges that tile the pose's, with what each rests on."""

@@ -27,7 +27,7 @@ from .colour_match import colours_of
 from .correspondences import Pairs
 from .field import field_by_vote, field_in_camera, shared_aim
 from .field_voices import find_field
-from .observations import Observations, Samples, SeenScene, SolvedPose, match_cameras, observe, spread, weight_matches
+from .observations import Observations, Samples, SolvedPose, match_cameras, observe, spread, weight_matches
 from .photo_consistency import Agreement, LaidView, refuted
 from .protocol import Aligner, Alignment, Matcher
 from .relief.cameras import ReliefCameras
@@ -119,8 +119,8 @@ class PoseSolver:
         else:
             field = known
         tied = self._together(first, by_points, cameras, field, views)
-        told = set() if cameras is None else Rig(cameras.projections, cameras.matches).told()
-        alignment = self._confirmed(tied, {name: view for name, view in steady.items() if name not in told})
+        unseen = Rig.of(cameras).told()
+        alignment = self._confirmed(tied, {name: view for name, view in steady.items() if name not in unseen})
         _tell_of_weak(alignment, frames, progress)
         aligned = self._aligned(alignment, settings.scene_width)
         sure = known is not None or bool(field.any() and shared_aim(self._aligned(tied, aligned.size[0])) >= ONE_AIM)
@@ -128,11 +128,8 @@ class PoseSolver:
         aligned = attrs.evolve(aligned, field=field)
         pose = _pose(frames, alignment, [samples.frames[i] for i in clear], colours_of(aligned, pictures))
         kept = {name: Observations(own.features[::4], own.field) for name, own in observations.items()}
-        by = PICTURES if sure else MIDDLE
-        solved = SolvedPose(pose, aligned, tuple(for_dense), kept, by)
-        if cameras is None:
-            return solved
-        return attrs.evolve(solved, scene=SeenScene(cameras, views), rig=Rig(cameras.projections, cameras.matches))
+        solved = SolvedPose(pose, aligned, tuple(for_dense), kept, PICTURES if sure else MIDDLE)
+        return solved if cameras is None else solved.seeing(cameras, views)
 
     def _clear(self, standing: Sequence[int], samples: Samples) -> list[int]:
         """The samples to find points in."""

@@ -108,11 +108,16 @@ class _Recording:
         plane's error off, it was at 1.0 to 1.4 as the second pose has it.
         """
         rigs = [pose.rig for pose in earlier if pose.rig is not None]
-        pose, held = self.ahead.pop(at, None) or self._held(at, earlier, rigs)
+        early = self.ahead.pop(at, None)
+        if early is not None and any(rig.sure() & self._lacking(at, early[0], []) for rig in rigs):
+            early = None  # it was solved before a rig was known that helps
+        pose, held = early or self._held(at, earlier, rigs)
         lacking = self._lacking(at, pose, rigs)
         for later in range(at + 1, min(at + 1 + _AHEAD, len(self.ranges))):
-            if not lacking or not self._shown(later):
+            if not lacking:
                 break
+            if not self._shown(later):
+                continue
             if later not in self.ahead:
                 self.ahead[later] = self._held(later, earlier, [*rigs, *([pose.rig] if pose.rig else [])])
             rig = self.ahead[later][0].rig
@@ -213,6 +218,8 @@ def _planes_under_hands(pose: SolvedPose, relief: PoseRelief, solver: PoseSolver
     if reference not in relief.surface.cameras or covered.sum() < _COVERED * max(field.sum(), 1):
         return pose
     pairs = surface_pairs(relief, reference, field)
+    if not pairs:
+        return pose
     sizes = {name: solver.sizes[name] for name in (reference, *(name for _, name in pairs))}
     found = solver.aligner.align(pairs, sizes, reference)
     if found.weak:

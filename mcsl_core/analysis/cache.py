@@ -145,6 +145,12 @@ def _pack_poses(solved: Sequence[SolvedPose]) -> dict[str, NDArray]:
         "samples": _text([list(map(int, s.samples)) for s in solved]),
         "field_by": _text([s.field_by for s in solved]),
         "drawn": _text([[[piece.start, piece.stop] for piece, _ in s.drawn] for s in solved]),
+        "hands": _text([sorted(s.aligned.hands) for s in solved]),
+        **{
+            f"hands{i}_{n}": np.packbits(mask)
+            for i, s in enumerate(solved)
+            for n, (_, mask) in enumerate(sorted(s.aligned.hands.items()))
+        },
         **{f"field{i}": np.packbits(s.aligned.field) for i, s in enumerate(solved)},
         **{f"field{i}_{n}": np.packbits(mask) for i, s in enumerate(solved) for n, (_, mask) in enumerate(s.drawn)},
     }
@@ -152,14 +158,15 @@ def _pack_poses(solved: Sequence[SolvedPose]) -> dict[str, NDArray]:
 
 def _unpack_poses(arrays: Arrays) -> list[SolvedPose]:
     solved = []
-    of_poses = (_json(arrays, name) for name in ("poses", "sizes", "samples", "field_by", "drawn"))
-    for i, (document, (size, reference, camera_sizes), at, by, pieces) in enumerate(zip(*of_poses, strict=True)):
+    of_poses = (_json(arrays, name) for name in ("poses", "sizes", "samples", "field_by", "drawn", "hands"))
+    for i, (document, (size, reference, camera_sizes), at, by, pieces, named) in enumerate(zip(*of_poses, strict=True)):
         pose = _converter.structure(document, Pose)
         field = _unpack_mask(arrays[f"field{i}"], size)
         drawn = [(FrameRange(*ends), _unpack_mask(arrays[f"field{i}_{n}"], size)) for n, ends in enumerate(pieces)]
         homographies = {name: np.array(h) for name, h in pose.homographies.items()}
         full = {name: (int(w), int(h)) for name, (w, h) in camera_sizes.items()}
-        aligned = AlignedPose((size[0], size[1]), reference, homographies, full, field)
+        hands = {name: _unpack_mask(arrays[f"hands{i}_{n}"], size) for n, name in enumerate(named)}
+        aligned = AlignedPose((size[0], size[1]), reference, homographies, full, field, hands)
         solved.append(SolvedPose(pose, aligned, tuple(at), {}, by, tuple(drawn)))
     return solved
 

@@ -257,6 +257,7 @@ class ConsensusScorer:
             to be in its way.
         """
         inside = self.cut.mask(view.inside)
+        inside &= ~self.hands.get(view.camera, np.zeros_like(inside))
         if view.camera not in self.background:
             return inside
         gain = changed(self.exposure[view.camera].gain(small(view.aligned)), _UNCHANGED)
@@ -264,7 +265,7 @@ class ConsensusScorer:
         differs = _differs(now, self.background[view.camera], self.different)
         alike = _recoloured(now, self.gains[view.camera])
         hidden = _solid(self.foreign.hidden(view.camera, alike, differs)) > 0
-        return inside & ~hidden & ~self.hands.get(view.camera, np.zeros_like(inside))
+        return inside & ~hidden
 
 
 @frozen

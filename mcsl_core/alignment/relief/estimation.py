@@ -54,6 +54,8 @@ class PoseRelief:
         The nodes of the surface where a hand rests all through the pose.
     over : (rows, columns) array
         Gamma with the hands, as the cameras see it.
+    height : float
+        See `height_of_gamma`; any without hands.
     """
 
     scene: ReliefScene
@@ -61,6 +63,13 @@ class PoseRelief:
     foreign: Mapping[str, ForeignColours]
     hands: Mask
     over: Nodes
+    height: float
+
+    @property
+    def seen(self) -> ReliefSurface:
+        """The surface as far as it is seen, not carried on under hands."""
+        rim = cv2.dilate(self.hands.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+        return evolve(self.surface, confidence=np.where(rim, 0.0, self.surface.confidence))
 
     def document(self) -> Relief:
         """As the EDL has it; of the cameras that the surface serves."""
@@ -116,7 +125,7 @@ def estimate_relief(
         return None
     lifted = np.eye(4)  # programme pixel and gamma -> the pose's own, by the plane alone
     lifted[:3, :3] = to_programme[views.reference]
-    known = None if before is None else tie_scene(before.scene, before.surface, own, inverse(lifted))
+    known = None if before is None else tie_scene(before.scene, before.seen, own, inverse(lifted))
     if before is None or known is None:
         placed = together = _based(_moved(own, inverse(lifted)))
         coloured = foreign
@@ -129,14 +138,22 @@ def estimate_relief(
     surface = estimator.estimate(together)
     if surface is None or not placed.cameras.keys() & surface.cameras:
         return None
-    base = placed if before is None or known is None else before.scene
-    over, hands = surface.gamma, np.zeros(surface.gamma.shape, bool)
-    if knows_up({name: camera.projection for name, camera in base.cameras.items()}):
+    height = _height(placed if before is None or known is None else before.scene)
+    lifted_off, hands = surface, np.zeros(surface.gamma.shape, bool)
+    if height is not None:
         share = foreign_share(surface, size, together.cameras, coloured)
         nodes = _at_nodes(field, surface, to_programme[views.reference], size)
-        surface, hands = without_resting_hands(surface, share, _height(base), nodes)
-    served = evolve(surface, cameras=surface.cameras & placed.cameras.keys())
-    return PoseRelief(placed, served, foreign, hands, over)
+        lifted_off, hands = without_resting_hands(surface, share, height, nodes)
+    served = evolve(lifted_off, cameras=surface.cameras & placed.cameras.keys())
+    return PoseRelief(placed, served, foreign, hands, surface.gamma, height or 1.0)
+
+
+def _height(scene: ReliefScene) -> float | None:
+    """See `height_of_gamma`, in the middle of a scene; None where the cameras do not know which way is up."""
+    projections = {name: camera.projection for name, camera in scene.cameras.items()}
+    sizes = {name: camera.size for name, camera in scene.cameras.items()}
+    up = height_of_gamma(projections, sizes, np.array(scene.size) / 2)
+    return up if knows_up(projections, sizes) else None
 
 
 def surface_pairs(relief: PoseRelief, reference: str, field: Mask) -> Pairs:
@@ -159,13 +176,14 @@ def surface_pairs(relief: PoseRelief, reference: str, field: Mask) -> Pairs:
     size = size_at_columns(relief.scene.size, _COLUMNS)
     to_full = inverse(scaling(relief.scene.size, size))
     mask = resize_mask(field, size)
-    surface = relief.surface
+    surface = relief.seen
     rows, columns = surface.gamma.shape
     x, y = np.meshgrid(np.linspace(0, size[0] - 1, columns), np.linspace(0, size[1] - 1, rows))
-    rim = cv2.dilate(relief.hands.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
-    sure = (surface.confidence > _KNOWN) & ~rim
+    sure = surface.confidence > _KNOWN
+    if not sure.any():
+        return {}
     nodes = np.column_stack([x[sure], y[sure], surface.gamma[sure]])
-    gamma = field_gamma(nodes, mask, _height(relief.scene)).astype(np.float64)
+    gamma = field_gamma(nodes, mask, relief.height).astype(np.float64)
     every = max(1, int(np.sqrt(mask.sum() / _FIELD_POINTS)))
     inside = np.zeros_like(mask)
     inside[::every, ::every] = True
@@ -197,7 +215,8 @@ def resting_hands_in(relief: PoseRelief, aligned: AlignedPose) -> dict[str, Mask
     Returns
     -------
     dict of str to (H, W) bool array
-        Of the cameras that the relief knows, at the hands' own height; empty without hands.
+        At the hands' own height; of cameras that the relief does not know as the reference camera has them. Empty
+        without hands.
     """
     rows, columns = np.nonzero(cv2.resize(relief.hands.astype(np.uint8), None, fx=_FINER, fy=_FINER))
     if not len(rows):
@@ -207,14 +226,15 @@ def resting_hands_in(relief: PoseRelief, aligned: AlignedPose) -> dict[str, Mask
     at = np.column_stack([columns, rows]) * (np.array(relief.scene.size) - 1) / (width - 1, height - 1)
     scene = np.column_stack([at, gamma.astype(np.float64)])
     found = {}
-    for name in relief.surface.cameras & aligned.homographies.keys():
+    for name in sorted(relief.scene.cameras.keys() & aligned.homographies.keys()):
         seen = project(relief.scene.cameras[name].projection, scene)
         laid = np.round(transform_points(aligned.warp_of(name, aligned.camera_sizes[name]), seen)).astype(int)
         laid = laid[((laid >= 0) & (laid < aligned.size)).all(axis=1)]
         mask = np.zeros(aligned.size[::-1], np.uint8)
         mask[laid[:, 1], laid[:, 0]] = 1
         found[name] = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8)) > 0
-    return found
+    nearest = found.get(aligned.reference, np.zeros(aligned.size[::-1], bool))
+    return {name: found.get(name, nearest) for name in sorted(aligned.homographies)}
 
 
 def _at_nodes(field: Mask, surface: ReliefSurface, to_programme: Array, size: tuple[int, int]) -> Mask:
@@ -222,12 +242,6 @@ def _at_nodes(field: Mask, surface: ReliefSurface, to_programme: Array, size: tu
     nodes = surface.gamma.shape[::-1]
     warp = scaling(size, nodes) @ to_programme @ scaling(field.shape[::-1], size)
     return cv2.warpPerspective(field.astype(np.uint8), warp, nodes, flags=cv2.INTER_NEAREST) > 0
-
-
-def _height(scene: ReliefScene) -> float:
-    """Pixels of 960 that gamma 1 stands above gamma 0 in the middle of a scene."""
-    projections = {name: camera.projection for name, camera in scene.cameras.items()}
-    return height_of_gamma(projections, np.array(scene.size) / 2) * 960 / scene.size[0]
 
 
 def _scene(

@@ -32,42 +32,45 @@ _SAYS_NOTHING, _SAYS_ALL = 0.35, 0.45
 _AGREED = 0.5  # of the cameras' leaning, by sum over the sum of sizes: once it was 0.36, and the sign wrong; else 0.57
 
 
-def height_of_gamma(projections: Mapping[str, Array], at: Array) -> float:
+def height_of_gamma(projections: Mapping[str, Array], sizes: Mapping[str, tuple[int, int]], at: Array) -> float:
     """How high gamma 1 stands above gamma 0 at a reference pixel.
 
     Parameters
     ----------
     projections : mapping of str to (3, 4) array
         The reference's first.
+    sizes : mapping of str to (int, int)
+        Every camera's full width and height.
     at : (2,) array
         Full-size reference pixel.
 
     Returns
     -------
     float
-        In shares of the reference's full-size pixels; negative where gamma falls towards the cameras.
+        In pixels of 960, of the camera that it moves most; negative where gamma falls towards the cameras.
 
     Notes
     -----
     The images alone do not tell which way is up. But a lamp's cameras lean towards each other: each has the reference
     in front of it, and there gamma is infinite. So depth grows with gamma if gamma rises towards the cameras.
     """
-    _, *others = projections.values()
+    _, *others = projections
     ends = np.array([[*at, 0.0], [*at, 1e-3]])
-    moved = max(float(np.hypot(*np.diff(project(p, ends), axis=0)[0])) for p in others) / 1e-3
-    return moved if sum(_leaning(projections)) > 0 else -moved
+    moved = (float(np.hypot(*np.diff(project(projections[n], ends), axis=0)[0])) / sizes[n][0] for n in others)
+    high = max(moved) / 1e-3 * 960
+    return high if sum(_leaning(projections, sizes)) > 0 else -high
 
 
-def knows_up(projections: Mapping[str, Array]) -> bool:
-    """Whether the cameras agree about the sign of `height_of_gamma`; the same mapping."""
-    leaning = _leaning(projections)
-    return abs(sum(leaning)) >= _AGREED * sum(map(abs, leaning))
+def knows_up(projections: Mapping[str, Array], sizes: Mapping[str, tuple[int, int]]) -> bool:
+    """Whether two cameras or more agree about the sign of `height_of_gamma`; parameters as it has them."""
+    leaning = _leaning(projections, sizes)
+    return len(leaning) > 1 and 0 < _AGREED * sum(map(abs, leaning)) <= abs(sum(leaning))
 
 
-def _leaning(projections: Mapping[str, Array]) -> list[float]:
+def _leaning(projections: Mapping[str, Array], sizes: Mapping[str, tuple[int, int]]) -> list[float]:
     """Of every camera but the reference: above 0 where gamma rises towards the cameras."""
-    _, *others = projections.values()
-    return [float(p[2, 3] / np.linalg.norm(p[:2, 3])) for p in others]
+    _, *others = projections.items()
+    return [float(p[2, 3] / np.linalg.norm(p[:2, 3])) * sizes[name][0] for name, p in others]
 
 
 def field_gamma(points: Array, field: Mask, height: float) -> NDArray[np.float32]:

@@ -101,7 +101,7 @@ def relief_cameras(views: Views, homographies: Mapping[str, Array], rigs: Sequen
     by_plane = _matched(views, laid, _BY_PLANE)
     found = _by_planes(by_plane, names, views, homographies)
     shown = {name for name, view in views.steady.items() if view is not None}
-    rig = helpful(rigs, shown - Rig({}, found.matches if found else {}).sure())
+    rig = helpful(rigs, shown - Rig.of(found).sure())
     return found if rig is None else _by_rig(found, by_plane, rig, views)
 
 
@@ -164,7 +164,7 @@ def _by_rig(found: ReliefCameras | None, by_plane: _Matches, rig: Rig, views: Vi
 
 def _told(cameras: ReliefCameras, rig: Mapping[str, Array], views: Views) -> ReliefCameras:
     """The same, and of cameras that share too little what the rig tells, in terms of those that many places tie."""
-    names = Rig(cameras.projections, cameras.matches).sure() | {views.reference}
+    names = Rig.of(cameras).sure() | {views.reference}
     sure = {name: p for name, p in cameras.projections.items() if name in names}
     moved = moved_rig(rig, sure, cameras.points, views.reference, views.sizes)
     told = {} if moved is None else {name: p for name, p in moved.items() if name not in cameras.projections}
@@ -274,7 +274,8 @@ def _solved(
     located = locate(tracks_of(own, names), projections, views.sizes)
     if len(located.points) < _LEAST:
         return None
-    return attrs.evolve(located, matches=tracks_of(steady, names).counted())
+    # Not 0: so many have those that another pose tells of.
+    return attrs.evolve(located, matches={n: max(1, k) for n, k in tracks_of(steady, names).counted().items()})
 
 
 def field_pairs(cameras: ReliefCameras, field: Mask, views: Views) -> Pairs:
@@ -323,14 +324,14 @@ def _field_surface(cameras: ReliefCameras, mask: Mask, views: Views) -> NDArray[
     to_views = scaling(views.sizes[views.reference], views.size)
     rows, columns = np.nonzero(mask)
     middle = transform_points(inverse(to_views), np.array([[columns.mean(), rows.mean()]]))[0]
-    height = height_of_gamma(cameras.projections, middle) * 960 / views.sizes[views.reference][0]
-    points, up = _in_views(cameras.points, views), knows_up(cameras.projections)
+    height = height_of_gamma(cameras.projections, views.sizes, middle)
+    points, up = _in_views(cameras.points, views), knows_up(cameras.projections, views.sizes)
     gamma = field_gamma(points[~standing_above(points, mask, height)] if up else points, mask, height)
     again = _in_views(_seen_again(cameras, gamma, mask, views), views)
     if len(again) < _LEAST:
         return gamma
     hands = standing_above(np.concatenate([points, again]), mask, height)[len(points) :] & up
-    return field_gamma(again[~hands], mask, height)
+    return field_gamma(again[~hands], mask, height) if (~hands).sum() >= _LEAST else gamma
 
 
 def _seen_again(cameras: ReliefCameras, gamma: NDArray[np.float32], mask: Mask, views: Views) -> Array:

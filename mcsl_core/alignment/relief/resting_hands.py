@@ -30,12 +30,13 @@ _BELOW = 2.5  # so much farther may lie what is lower: hands stand above the gro
 _PULL = 3e-4  # towards the plane
 _STANDS = 4.0  # pixels of 960 above the ground
 _WIDE, _EDGE = 5, 2  # nodes of 96 that a hand is wide at least; a wound's rim is not, and is cut off where they meet
+_FEWEST = 12  # nodes either way, with fewer nothing is told
 _SEEN = 0.05  # confidence, from which a height is one
 _COLOURED = 0.3  # share of cameras from which a node is no ground
 # Of a piece, its share of foreign colours times its height in pixels of 960: hands had 2.1 (bloody ones, sleeves out
 # of the picture) to 20, limbs, rims and folds 0 to 1.3.
 _HAND = 1.7
-_MOST = 0.5  # of the field: what covers more is the field, as a limb is; of hands alone it was 0.28 at most
+_MOST = 0.5  # of the field; hands alone covered 0.28 at most
 # Tan gloves on a tan limb: half of the cameras see likely colours, and it stands higher than a rim or a fold.
 _LIKELY, _HIGH = 0.5, 10.0
 _UNDER = Plate(pull=1e-5)  # by the usual pull it sags to the plane within a hand's width
@@ -79,20 +80,21 @@ def without_resting_hands(
 
     Notes
     -----
-    Where a hand rested over the field its points were off by 4.1 to 13.3 px rms of 960, and are by 1.6 to 6.8; planes
-    fitted to the surface went from 1.4 and 2.3 times the best one's error to 1.05 and 1.3. Without one nothing changed.
+    Where a hand rested over the field its points were off by 4.1 to 13.3 px rms of 960, and are by 1.6 to 5.6. Lengths
+    are in nodes of 96 columns, which the estimators of this package have; on finer grids less is found.
     """
+    if min(surface.gamma.shape) < _FEWEST:
+        return surface, np.zeros(surface.gamma.shape, bool)
     sure = np.clip(2 * surface.confidence, 0, 1)
     heights, known = surface.gamma * height, surface.confidence > _SEEN
     above = heights - _ground(heights, sure * (foreign.sure < _COLOURED))
     hands = np.zeros(heights.shape, bool)
-    for piece in _wide_pieces(known & (above > _STANDS)):
-        limb = field is not None and (piece & field).sum() > _MOST * max(field.sum(), 1)
-        if not limb and foreign.sure[piece].mean() * np.median(above[piece]) > _HAND:
+    for piece in _wide_pieces(known & (above > _STANDS), field):
+        if foreign.sure[piece].mean() * np.median(above[piece]) > _HAND:
             hands |= piece
     likely = foreign.likely > _LIKELY
     above = heights - _ground(heights, sure * ~likely)
-    for piece in _wide_pieces(known & (above > _STANDS) & (cv2.blur(foreign.likely, (3, 3)) > _LIKELY)):
+    for piece in _wide_pieces(known & (above > _STANDS) & (cv2.blur(foreign.likely, (3, 3)) > _LIKELY), field):
         if np.median(above[piece]) > _HIGH:
             hands |= piece
     if not hands.any():
@@ -153,14 +155,19 @@ def foreign_share(
     return ForeignShare((sure / seen).reshape(rows, columns), (likely / seen).reshape(rows, columns))
 
 
-def _wide_pieces(standing: Mask) -> Iterator[Mask]:
-    """The connected pieces of what stands above the ground, without what is narrow and what hangs on by little."""
+def _wide_pieces(standing: Mask, field: Mask | None) -> Iterator[Mask]:
+    """The connected pieces of what stands above the ground, without what is narrow and what hangs on by little.
+
+    None that covers most of the field: it is the field, as a limb is.
+    """
     given = standing.astype(np.uint8)
     wide = cv2.morphologyEx(given, cv2.MORPH_OPEN, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (_WIDE, _WIDE)))
     count, pieces = cv2.connectedComponents(wide, connectivity=4)
     for piece in range(1, count):
         own = (pieces == piece).astype(np.uint8)
-        yield (cv2.dilate(own, np.ones((3, 3), np.uint8), iterations=_EDGE) > 0) & standing
+        found = (cv2.dilate(own, np.ones((3, 3), np.uint8), iterations=_EDGE) > 0) & standing
+        if field is None or (found & field).sum() <= _MOST * field.sum() or not field.any():
+            yield found
 
 
 def _ground(heights: Nodes, worth: Nodes) -> Nodes:

@@ -17,7 +17,7 @@ from scipy.optimize import minimize_scalar
 
 from mcsl_core.imaging.geometry import Array, project
 
-from .cameras import Tracks, disagreement
+from .cameras import ReliefCameras, Tracks, disagreement
 
 _FITS = 1.0 / 960  # of the width: medians of the cameras that both know
 _SURE = 600  # places
@@ -41,6 +41,11 @@ class Rig:
 
     projections: Mapping[str, Array]
     matches: Mapping[str, int]
+
+    @classmethod
+    def of(cls, cameras: ReliefCameras | None) -> Rig:
+        """As a pose's cameras were found; knowing none without."""
+        return cls({}, {}) if cameras is None else cls(cameras.projections, cameras.matches)
 
     def sure(self) -> set[str]:
         """The cameras that many places tie: another pose's rig has nothing to tell of them."""

@@ -5,19 +5,23 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 from fresh_import import fresh_import
 from notes import Notes
 
 from mcsl_core import edl
+from mcsl_core.alignment.aligned_views import AlignedPose
+from mcsl_core.alignment.observations import SolvedPose
 from mcsl_core.analysis import pipeline
-from mcsl_core.analysis.cache import CLOCKS, Deferred, StageCache
+from mcsl_core.analysis.cache import CLOCKS, POSES, Deferred, StageCache
 from mcsl_core.analysis.pipeline import cache_folder
 from mcsl_core.analysis.settings import AnalysisSettings
 from mcsl_core.hooks import registry as plugins
 from mcsl_core.hooks.stages import STAGES
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import Scenario, simulate
+from mcsl_core.timing import FrameRange
 
 SAMPLING = "Sampling the recording"
 
@@ -147,3 +151,25 @@ def test_what_a_step_needs_is_made_for_the_first_step_that_runs_and_for_none_tha
     assert cache.remember(CLOCKS, "c", step, whole) == (edl.Clock(offset_s=3),)
     assert made == ["samples", "half"]
     assert StageCache(None, Silent()).remember(CLOCKS, "a", step, half) == (edl.Clock(offset_s=1.5),)
+
+
+def test_of_poses_all_is_kept_that_detectors_are_told(tmp_path: Path) -> None:
+    """Whatever `AlignedPose` has, or a second analysis would score otherwise than the first."""
+    rng, sizes = np.random.default_rng(1), {"cam1": (640, 360), "a / b": (1920, 1080)}
+    masks = {name: rng.random((9, 16)) > 0.5 for name in ("field", *sizes)}
+    planes = {"cam1": np.eye(3), "a / b": np.diag([0.5, 0.5, 1.0])}
+    hands = {name: masks[name] for name in sizes}
+    aligned = AlignedPose((16, 9), "cam1", planes, sizes, masks["field"], hands)
+    matrices = {name: tuple(map(tuple, h.tolist())) for name, h in planes.items()}
+    pose = edl.Pose(range=FrameRange(0, 10), homographies=matrices, solved_from=(1, 2))
+    made = [SolvedPose(pose, aligned, (3, 4), {})]
+    StageCache(tmp_path, Silent()).remember(POSES, "key", lambda: made)
+    (kept,) = StageCache(tmp_path, Silent()).remember(POSES, "key", list)
+    assert kept.pose == pose
+    for name in ("size", "reference", "camera_sizes"):
+        assert getattr(kept.aligned, name) == getattr(aligned, name)
+    np.testing.assert_array_equal(kept.aligned.field, masks["field"])
+    for found, given in ((kept.aligned.homographies, planes), (kept.aligned.hands, hands)):
+        assert found.keys() == given.keys()
+        for name in given:
+            np.testing.assert_array_equal(found[name], given[name])

@@ -124,15 +124,17 @@ def under_hand() -> PoseRelief:
     x = np.arange(96.0) * np.ones((54, 1))
     surface = ReliefSurface(0.1 * x, np.full((54, 96), 0.9), frozenset(PROJECTIONS))
     cameras = {name: ReliefCamera(SIZE, p, np.eye(3), ()) for name, p in PROJECTIONS.items()}
-    return PoseRelief(ReliefScene(SIZE, cameras), surface, {}, HAND, 0.1 * x + 20.0 * HAND)
+    return PoseRelief(ReliefScene(SIZE, cameras), surface, {}, HAND, 0.1 * x + 20.0 * HAND, 1.0)
 
 
 def test_a_resting_hand_lies_in_every_view_where_its_height_puts_it() -> None:
     relief = under_hand()
     lifted = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0.0]])
     planes = {name: np.linalg.inv(p @ lifted) for name, p in PROJECTIONS.items()}
-    aligned = AlignedPose((480, 270), "ref", planes, dict.fromkeys(PROJECTIONS, SIZE), FIELD)
+    planes["tied by points alone"] = np.eye(3)
+    aligned = AlignedPose((480, 270), "ref", planes, dict.fromkeys(planes, SIZE), FIELD)
     masks = resting_hands_in(relief, aligned)
+    np.testing.assert_array_equal(masks.pop("tied by points alone"), masks["ref"])
     assert masks.keys() == PROJECTIONS.keys()
     place = np.array([450.0, 250.0])  # a node of the hand, its gamma 4.5 above 0
     for name, mask in masks.items():
@@ -140,6 +142,12 @@ def test_a_resting_hand_lies_in_every_view_where_its_height_puts_it() -> None:
         x, y = transform_points(planes[name], seen)[0] / 2
         assert mask[round(y), round(x)]
         assert mask.sum() == pytest.approx(HAND.sum() * 25, rel=0.25)
+
+
+def test_under_a_hand_the_surface_is_carried_on_and_ties_nothing() -> None:
+    seen = under_hand().seen
+    assert not seen.confidence[HAND].any()
+    assert seen.confidence[5, 5] == 0.9
 
 
 def test_planes_under_hands_are_told_of_the_surface_and_not_of_the_hand() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mcsl_core.alignment.relief.field_surface import field_gamma, height_of_gamma
+from mcsl_core.alignment.relief.field_surface import field_gamma, height_of_gamma, knows_up
 
 SIZE = (240, 135)
 FIELD = np.zeros(SIZE[::-1], bool)
@@ -87,8 +87,13 @@ def test_what_stands_nearer_to_a_lamps_cameras_is_higher_whichever_way_gamma_gro
     own = projections["cam2"] @ [there[0], there[1], 1, there[2]]
     true = cameras[2][0] @ (cameras[2][1] @ up + cameras[2][2])
     assert own[:2] / own[2] == pytest.approx(true[:2] / true[2], abs=1e-6)  # the projections are right
-    height = height_of_gamma(projections, np.array([320.0, 180.0]))
-    assert height * (gammas[1] - gammas[0]) > 5  # pixels of 640, for 30 mm
+    sizes, at = dict.fromkeys(projections, (640, 360)), np.array([320.0, 180.0])
+    height = height_of_gamma(projections, sizes, at)
+    assert height * (gammas[1] - gammas[0]) > 7  # pixels of 960, for 30 mm
+    assert knows_up(projections, sizes)
+    larger = {**projections, "cam3": np.diag([4, 4, 1]) @ projections["cam3"]}  # the same camera's finer pictures
+    assert height_of_gamma(larger, {**sizes, "cam3": (2560, 1440)}, at) == pytest.approx(height)
+    assert not knows_up({name: projections[name] for name in ("cam0", "cam1")}, sizes)
 
 
 def test_a_bend_that_does_not_say_how_the_points_lie_is_not_carried_on() -> None:

@@ -57,9 +57,10 @@ def test_near_what_is_seen_the_ground_is_half_sure_and_far_from_it_not_at_all():
 def test_what_has_the_scenes_own_colours_stays():
     limb = 40 * np.maximum(0, 1 - ((Y - 27) / 14) ** 2)
     rim = 10 * np.exp(-((np.hypot(X - 48, Y - 27) - 8) ** 2))
+    little = ForeignShare(np.full((ROWS, COLUMNS), 0.03), np.full((ROWS, COLUMNS), 0.3))  # as noise has it
     for bump in (limb, rim):
         given = surface(ground() + bump)
-        found, hands = without_resting_hands(given, NOWHERE, 1.0)
+        found, hands = without_resting_hands(given, little, 1.0)
         assert not hands.any()
         assert found is given
 
@@ -104,9 +105,16 @@ def test_a_limb_stays_under_a_hand_of_nearly_its_colours():
 def test_what_covers_most_of_the_field_is_the_field_though_a_hand_lies_on_it():
     limb = abs(Y - 27) < 8
     field = (abs(Y - 27) < 10) & (abs(X - 40) < 16)
-    coloured = ForeignShare(sleeve(limb).sure, NOWHERE.likely)
     given = surface(ground() + 30.0 * limb)
-    assert without_resting_hands(given, coloured, 1.0)[1][field].mean() > 0.5
-    found, hands = without_resting_hands(given, coloured, 1.0, field)
+    for coloured in (ForeignShare(sleeve(limb).sure, NOWHERE.likely), ForeignShare(NOWHERE.sure, 1.0 * limb)):
+        assert without_resting_hands(given, coloured, 1.0)[1][field].mean() > 0.5
+        found, hands = without_resting_hands(given, coloured, 1.0, field)
+        assert found is given
+        assert not hands.any()
+
+
+def test_on_a_grid_of_a_few_nodes_nothing_is_told():
+    given = ReliefSurface(np.zeros((2, 3)), np.ones((2, 3)), frozenset({"cam1"}))
+    found, hands = without_resting_hands(given, ForeignShare(np.ones((2, 3)), np.ones((2, 3))), 1.0)
     assert found is given
-    assert not hands.any()
+    assert hands.shape == (2, 3)

@@ -9,6 +9,7 @@ from mcsl_core.alignment.relief.field_surface import field_gamma, height_of_gamm
 from mcsl_core.alignment.relief.standing import standing_above
 
 SIZE = (480, 270)
+SIZES = dict.fromkeys(("a", "b0", "b1", "b2"), (960, 540))
 FIELD = np.zeros(SIZE[::-1], bool)
 FIELD[90:180, 170:310] = True
 X, Y = (a.ravel() for a in np.meshgrid(np.arange(10, 470, 5.0), np.arange(10, 260, 5.0)))
@@ -80,6 +81,6 @@ def test_which_way_is_up_is_known_where_the_cameras_agree(leaning, known) -> Non
     for n, lean in enumerate(leaning):
         turn = 2 * n
         projections[f"b{n}"] = np.column_stack([np.eye(3), [300 * np.cos(turn), 300 * np.sin(turn), 0.05 * lean]])
-    assert knows_up(projections) is known
-    assert knows_up({n: p * [1, 1, 1, -5] for n, p in projections.items()}) is known
-    assert (height_of_gamma(projections, np.array([50.0, 40.0])) > 0) is (sum(leaning) > 0)
+    assert knows_up(projections, SIZES) is known
+    assert knows_up({n: p * [1, 1, 1, -5] for n, p in projections.items()}, SIZES) is known
+    assert (height_of_gamma(projections, SIZES, np.array([50.0, 40.0])) > 0) is (sum(leaning) > 0)
