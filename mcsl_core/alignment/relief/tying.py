@@ -20,7 +20,7 @@ from .protocol import ReliefCamera, ReliefScene, ReliefSurface
 _SETTINGS = (DenseSettings(grid_px=6, other_hue=0.0, reach=0.05), DenseSettings(grid_px=6, other_hue=0.0, reach=0.02))
 _SCALES = ((6 / 960, 1 / 960), (1 / 960,))  # widths; of each round's loss
 _LEAST = 400  # matches of all cameras
-_FITS = (3.0 / 960, 1.0 / 960)  # of the width, median: laid by planes 14 px off, flow is a pixel off that fits at last
+_FITS = (3.0 / 960, 1.0 / 960)  # of the width, median: laid by planes 12 px off, flow is a pixel off that fits at last
 _KNOWN = 0.3  # confidence of the surface where it may tie: beside that it is the plane, whatever the scene is
 
 
