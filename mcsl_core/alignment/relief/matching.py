@@ -18,10 +18,9 @@ from ..correspondences import Correspondences, Pairs
 from ..dense_matching import AlignedCamera, DenseSettings, match_densely, pixels_of
 from ..steady import SteadyView
 from .cameras import ReliefCameras, Tracks, confirmed, locate, solve_cameras, tracks_of
-from .field_surface import field_gamma, height_of_gamma, knows_up
+from .field_surface import field_gamma, height_of_gamma
 from .interpolation import gamma_map
 from .rig import Rig, helpful, moved_rig, zoomed_rig
-from .standing import standing_above
 
 WIDTH = 480  # columns of the views that are matched: more found no more, and took its time
 _BY_PLANE = DenseSettings(grid_px=6, other_hue=0.0, reach=0.05)  # a relief may lead so far ...
@@ -325,13 +324,9 @@ def _field_surface(cameras: ReliefCameras, mask: Mask, views: Views) -> NDArray[
     rows, columns = np.nonzero(mask)
     middle = transform_points(inverse(to_views), np.array([[columns.mean(), rows.mean()]]))[0]
     height = height_of_gamma(cameras.projections, views.sizes, middle)
-    points, up = _in_views(cameras.points, views), knows_up(cameras.projections, views.sizes)
-    gamma = field_gamma(points[~standing_above(points, mask, height)] if up else points, mask, height)
+    gamma = field_gamma(_in_views(cameras.points, views), mask, height)
     again = _in_views(_seen_again(cameras, gamma, mask, views), views)
-    if len(again) < _LEAST:
-        return gamma
-    hands = standing_above(np.concatenate([points, again]), mask, height)[len(points) :] & up
-    return field_gamma(again[~hands], mask, height) if (~hands).sum() >= _LEAST else gamma
+    return field_gamma(again, mask, height) if len(again) >= _LEAST else gamma
 
 
 def _seen_again(cameras: ReliefCameras, gamma: NDArray[np.float32], mask: Mask, views: Views) -> Array:
