@@ -77,7 +77,7 @@ def seen_poses(made: edl.Edl, samples: SampleStore) -> list[SeenPose | None]:
         pictures = [samples[i].pictures for i in spread(shown, SolveSettings().dense_moments)]
         steady = {name: steady_view([p.get(name) for p in pictures]) for name in sizes}
         views = Views(made.reference, sizes, steady, pictures)
-        rigs = [Rig(p.cameras.projections, p.cameras.matches) for p in found if p and p.cameras]
+        rigs = [Rig.of(p.cameras) for p in found if p and p.cameras]
         cameras = relief_cameras(views, homographies, rigs)
         matches = {} if cameras is None else _matched(views, _laid_by(cameras, views), _BY_RELIEF).all
         found.append(SeenPose(views, cameras, matches))

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import attrs
 import cv2
 import numpy as np
-from attrs import field as attrs_field
 from attrs import frozen
 from numpy.typing import NDArray
 
@@ -66,7 +66,7 @@ class AlignedPose:
     homographies: Mapping[str, Array]
     camera_sizes: Mapping[str, tuple[int, int]]
     field: Mask
-    hands: Mapping[str, Mask] = attrs_field(factory=dict)
+    hands: Mapping[str, Mask] = attrs.field(factory=dict)
 
     def warp_of(self, camera: str, picture_size: tuple[int, int]) -> Array:
         """The homography of a camera's reduced pictures.

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import attrs
-import cv2
 import numpy as np
 from attrs import field, frozen
 
 from mcsl_core.edl import DrawnField, Movement
 from mcsl_core.edl.field import drawn_over
 from mcsl_core.imaging.geometry import scaling, size_at_columns, to_edl_matrix, transform_points
-from mcsl_core.imaging.masks import Mask, polygon_mask, resize_mask
+from mcsl_core.imaging.masks import Mask, polygon_mask, resize_mask, warp_mask
 from mcsl_core.progress import HeldNotes, Progress
 from mcsl_core.recording.sample_store import SampleStore
 from mcsl_core.timing import FrameRange
@@ -211,9 +210,8 @@ def _planes_under_hands(pose: SolvedPose, relief: PoseRelief, solver: PoseSolver
     """
     aligned, reference = pose.aligned, pose.aligned.reference
     full = aligned.camera_sizes[reference]
-    warp = np.array(pose.pose.anchor) @ scaling(aligned.size, full)
-    warp = scaling(full, aligned.size) @ warp
-    field = cv2.warpPerspective(aligned.field.astype(np.uint8), warp, aligned.size, flags=cv2.INTER_NEAREST) > 0
+    warp = scaling(full, aligned.size) @ np.array(pose.pose.anchor) @ scaling(aligned.size, full)
+    field = warp_mask(aligned.field, warp, aligned.size)
     covered = resize_mask(relief.hands, aligned.size) & field
     if reference not in relief.surface.cameras or covered.sum() < _COVERED * max(field.sum(), 1):
         return pose
@@ -247,7 +245,7 @@ def _laid_by(pose: SolvedPose, solver: PoseSolver, before: SolvedPose | None) ->
     homographies[reference] = np.eye(3)
     size = size_at_columns(sizes[reference], pose.aligned.size[0])
     warp = scaling(sizes[reference], size) @ to_reference @ scaling(pose.aligned.size, sizes[stand_in])
-    field = cv2.warpPerspective(pose.aligned.field.astype(np.uint8), warp, size, flags=cv2.INTER_NEAREST) > 0
+    field = warp_mask(pose.aligned.field, warp, size)
     aligned = AlignedPose(size, reference, homographies, sizes, field)
     colour = {} if before is None else {n: c for n, c in before.pose.colour.items() if n in homographies}
     weak = tuple(w for w in pose.pose.weak if w.camera != reference)

@@ -96,6 +96,11 @@ def resize_mask(mask: Mask, size: tuple[int, int]) -> Mask:
     return cv2.resize(mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
 
 
+def warp_mask(mask: Mask, matrix: NDArray[np.float64], size: tuple[int, int]) -> Mask:
+    """A mask in other pixels, ``matrix`` (3, 3) leading there from its own, by nearest neighbour; nothing outside."""
+    return cv2.warpPerspective(mask.astype(np.uint8), matrix, size, flags=cv2.INTER_NEAREST) > 0
+
+
 def close_gaps(mask: Mask, *, gap: float = 0.05) -> Mask:
     """``mask`` with gaps up to ``gap`` of its width closed (instruments, a dark wound) and its holes filled."""
     size = max(3, round(gap * mask.shape[1]) | 1)

@@ -15,7 +15,7 @@ from attrs import evolve, frozen
 
 from mcsl_core.edl import Relief
 from mcsl_core.imaging.geometry import Array, inverse, project, scaling, size_at_columns, transform_points
-from mcsl_core.imaging.masks import Mask, central_ellipse, resize_mask
+from mcsl_core.imaging.masks import Mask, central_ellipse, resize_mask, warp_mask
 
 from ..aligned_views import AlignedPose
 from ..correspondences import Correspondences, Pairs
@@ -23,18 +23,16 @@ from ..steady import steady_view
 from .cameras import ReliefCameras
 from .field_surface import field_gamma, height_of_gamma, knows_up
 from .foreign import ForeignColours, foreign_colours
-from .matching import AROUND_WEIGHT, Views
+from .matching import AROUND_WEIGHT, FIELD_POINTS, WIDTH, Views
 from .protocol import ReliefCamera, ReliefEstimator, ReliefScene, ReliefSurface, ReliefView
-from .resting_hands import foreign_share, without_resting_hands
+from .resting_hands import foreign_share, with_rim, without_resting_hands
 from .thin_plate import Nodes
 from .tying import tie_scene
 
 _GROUPS = 3  # of moments: a hand that rests in one of them is outvoted
 _ABOUT = 0.15  # widths about the middle, where the cameras aim: there the base plane lies in the scene
 _FINER = 4  # times as fine as the nodes hands are laid into a view
-_COLUMNS = 480  # of the picture that the field's surface is laid over for planes
 _KNOWN = 0.25  # confidence from which a node counts for them
-_FIELD_POINTS = 1500
 _BEFORE = " before"  # what a camera of the pose before is called
 
 
@@ -68,8 +66,7 @@ class PoseRelief:
     @property
     def seen(self) -> ReliefSurface:
         """The surface as far as it is seen, not carried on under hands."""
-        rim = cv2.dilate(self.hands.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
-        return evolve(self.surface, confidence=np.where(rim, 0.0, self.surface.confidence))
+        return evolve(self.surface, confidence=np.where(with_rim(self.hands), 0.0, self.surface.confidence))
 
     def document(self) -> Relief:
         """As the EDL has it; of the cameras that the surface serves."""
@@ -173,7 +170,7 @@ def surface_pairs(relief: PoseRelief, reference: str, field: Mask) -> Pairs:
     mapping of (str, str) to Correspondences
         Each camera's with the reference; outside of the field what weighs next to nothing, as `field_pairs` has it.
     """
-    size = size_at_columns(relief.scene.size, _COLUMNS)
+    size = size_at_columns(relief.scene.size, WIDTH)
     to_full = inverse(scaling(relief.scene.size, size))
     mask = resize_mask(field, size)
     surface = relief.seen
@@ -184,7 +181,7 @@ def surface_pairs(relief: PoseRelief, reference: str, field: Mask) -> Pairs:
         return {}
     nodes = np.column_stack([x[sure], y[sure], surface.gamma[sure]])
     gamma = field_gamma(nodes, mask, relief.height).astype(np.float64)
-    every = max(1, int(np.sqrt(mask.sum() / _FIELD_POINTS)))
+    every = max(1, int(np.sqrt(mask.sum() / FIELD_POINTS)))
     inside = np.zeros_like(mask)
     inside[::every, ::every] = True
     at = np.argwhere(inside & mask)
@@ -241,7 +238,7 @@ def _at_nodes(field: Mask, surface: ReliefSurface, to_programme: Array, size: tu
     """(rows, columns): the field in the reference camera's picture at the nodes of a surface over the programme's."""
     nodes = surface.gamma.shape[::-1]
     warp = scaling(size, nodes) @ to_programme @ scaling(field.shape[::-1], size)
-    return cv2.warpPerspective(field.astype(np.uint8), warp, nodes, flags=cv2.INTER_NEAREST) > 0
+    return warp_mask(field, warp, nodes)
 
 
 def _scene(
@@ -270,7 +267,7 @@ def _foreign(views: Views, to_programme: Mapping[str, Array], field: Mask) -> di
     for name, view in steady.items():
         size = (view.picture.shape[1], view.picture.shape[0])
         warp = scaling(views.sizes[name], size) @ inverse(to_programme[name]) @ from_field
-        fields[name] = cv2.warpPerspective(field.astype(np.uint8), warp, size, flags=cv2.INTER_NEAREST) > 0
+        fields[name] = warp_mask(field, warp, size)
     return foreign_colours(views.samples, steady, fields)
 
 

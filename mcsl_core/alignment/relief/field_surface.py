@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from attrs import frozen
 from numpy.typing import NDArray
 
 from mcsl_core.imaging.geometry import Array, project
@@ -91,12 +90,14 @@ def field_gamma(points: Array, field: Mask, height: float) -> NDArray[np.float32
         That of all points where the field has few of its own, or no bend says how they lie.
     """
     size = (field.shape[1], field.shape[0])
-    own = points[inside(points, field)]
+    own = points[_inside(points, field)]
     if len(own) < _LEAST:
         return gamma_map(points, size)
+    rows, columns = np.nonzero(field)
+    middle, radius = np.array([columns.mean(), rows.mean()]), float(np.sqrt(field.sum() / np.pi))
     heights = own[:, 2] * height
-    bend = FieldBend.through(own, field, height)
-    left = heights - bend.at(own[:, :2])
+    bend = _bend((own[:, :2] - middle) / radius, heights)
+    left = heights - _terms((own[:, :2] - middle) / radius) @ bend
     without = max(float(np.abs(heights - np.median(heights)).mean()), 1e-9)
     said = 1 - float(np.minimum(np.abs(left), _MOST_OFF).mean()) / without
     share = float(np.clip((said - _SAYS_NOTHING) / (_SAYS_ALL - _SAYS_NOTHING), 0, 1))
@@ -105,43 +106,12 @@ def field_gamma(points: Array, field: Mask, height: float) -> NDArray[np.float32
     if not share or not low.any():
         return level
     x, y = np.meshgrid(np.arange(size[0]), np.arange(size[1]))
-    base = bend.at(np.stack([x, y], axis=-1))
+    base = _terms((np.stack([x, y], axis=-1) - middle) / radius) @ bend
     around = gamma_map(np.column_stack([own[low, :2], left[low]]), size, far=0.0)
     return (share * (base + around) / height + (1 - share) * level).astype(np.float32)
 
 
-@frozen(eq=False)
-class FieldBend:
-    """How a field lies but for what is small about it, a quadric.
-
-    Attributes
-    ----------
-    middle : (2,) array
-        The field's, pixels.
-    radius : float
-        Of a disk of its area.
-    terms : (6,) array
-        Of the powers of places in radii.
-    """
-
-    middle: Array
-    radius: float
-    terms: Array
-
-    @classmethod
-    def through(cls, points: Array, field: Mask, height: float) -> FieldBend:
-        """By most of the field's points; see `field_gamma`."""
-        rows, columns = np.nonzero(field)
-        middle, radius = np.array([columns.mean(), rows.mean()]), float(np.sqrt(field.sum() / np.pi))
-        return cls(middle, radius, _bend((points[:, :2] - middle) / radius, points[:, 2] * height))
-
-    def at(self, places: Array) -> Array:
-        """(...) heights at (..., 2) pixels."""
-        return np.asarray(_terms((places - self.middle) / self.radius) @ self.terms, np.float64)
-
-
-def inside(points: Array, mask: Mask) -> NDArray[np.bool_]:
-    """(N,): which of (N, 2) or more coordinates, x and y first, lie in a mask."""
+def _inside(points: Array, mask: Mask) -> NDArray[np.bool_]:
     at = np.round(points[:, :2]).astype(int)
     within = ((at >= 0) & (at < (mask.shape[1], mask.shape[0]))).all(axis=1)
     at[~within] = 0

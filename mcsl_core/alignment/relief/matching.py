@@ -39,7 +39,7 @@ _SAMPLES = 12
 _LEAST_COVERED = 0.25
 _AIM = 0.15  # of the width
 _FEW_SEEN = 0.15  # of the field in common with the reference; it had 0.3 to 0.9 where no head hid it all the while
-_FIELD_POINTS = 1500
+FIELD_POINTS = 1500  # a grid over the field, for its planes
 _AROUND_PX, AROUND_WEIGHT = 16, 1e-4  # their area is fifty times the field's
 
 
@@ -303,7 +303,7 @@ def field_pairs(cameras: ReliefCameras, field: Mask, views: Views) -> Pairs:
     to_views = scaling(views.sizes[views.reference], views.size)
     mask = resize_mask(field, views.size)
     gamma = _field_surface(cameras, mask, views)
-    every = max(1, int(np.sqrt(mask.sum() / _FIELD_POINTS)))
+    every = max(1, int(np.sqrt(mask.sum() / FIELD_POINTS)))
     inside, around = np.zeros_like(mask), np.zeros_like(mask)
     inside[::every, ::every], around[::_AROUND_PX, ::_AROUND_PX] = True, True
     at = np.argwhere((inside & mask) | (around & ~mask))

@@ -99,7 +99,7 @@ def without_resting_hands(
             hands |= piece
     if not hands.any():
         return surface, hands
-    rim = cv2.dilate(hands.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    rim = with_rim(hands)
     beside = np.where(rim, 0.0, sure)
     under = _UNDER.through(surface.gamma, beside, np.inf)
     near = np.clip(cv2.GaussianBlur(beside, (0, 0), _REACH) / _FULL, 0, 1)
@@ -108,6 +108,11 @@ def without_resting_hands(
         gamma=np.where(rim, under, surface.gamma),
         confidence=np.where(rim, near / 2, surface.confidence),
     ), hands
+
+
+def with_rim(hands: Mask) -> Mask:
+    """The nodes of hands and those beside them, whose heights are of both."""
+    return cv2.dilate(hands.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
 
 
 def foreign_share(
