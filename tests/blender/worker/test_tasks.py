@@ -104,12 +104,16 @@ def test_a_child_leaves_no_temporary_files(built, blender, tmp_path, monkeypatch
 
 
 def test_a_killed_child_is_told_as_such(built, blender, tmp_path):
-    class Killer(Recorder):
-        def stage(self, name, total=None, unit=""):
-            os.kill(children()[0], signal.SIGSEGV)
+    def kill() -> None:
+        while not (started := children()):
+            time.sleep(0.01)
+        os.kill(started[0], signal.SIGSEGV)
 
+    killer = threading.Thread(target=kill, daemon=True)  # what the child reports may come when it has ended
+    killer.start()
     with pytest.raises(BlenderError, match="was killed by SIGSEGV"):
-        run_task(blender, render_request(built, tmp_path / "out.mp4"), Killer())
+        run_task(blender, render_request(built, tmp_path / "out.mp4"))
+    killer.join()
 
 
 @frozen

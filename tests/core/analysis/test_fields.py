@@ -6,6 +6,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import attrs
+import numpy as np
 import pytest
 
 import mcsl_core as mcsl
@@ -17,6 +18,7 @@ from mcsl_core.edl import Edl, FieldStretch, Shot
 from mcsl_core.edl.edits import draw_field
 from mcsl_core.errors import DocumentError
 from mcsl_core.hooks.registry import discover
+from mcsl_core.imaging.geometry import transform_points
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import Scenario, simulate
 from mcsl_core.timing import FrameRange
@@ -50,6 +52,17 @@ def analysed(recording: Path, out: Path, **settings) -> Edl:
     return edls.load(out)  # to as many digits as are kept
 
 
+def apart_in_field(one: Edl, other: Edl, pose: int) -> float:
+    """Programme pixels between where two EDLs lay the cameras in a pose, at most, over the field of the first."""
+    corners = np.concatenate([np.array(polygon) for polygon in one.fields[pose].polygons])
+    apart = [0.0]
+    for name in one.poses[pose].homographies.keys() & other.poses[pose].homographies.keys():
+        a, b = (np.array(e.poses[pose].anchor) @ np.array(e.poses[pose].homographies[name]) for e in (one, other))
+        own = transform_points(np.linalg.inv(a), corners)
+        apart.append(float(np.abs(transform_points(b, own) - corners).max()))
+    return max(apart)
+
+
 @pytest.mark.slow
 def test_what_is_drawn_is_used_and_kept_by_the_next_analysis(recording: Path, tmp_path: Path) -> None:
     out = tmp_path / "edl.json"
@@ -65,7 +78,7 @@ def test_what_is_drawn_is_used_and_kept_by_the_next_analysis(recording: Path, tm
     assert second.fields[0] == FieldStretch(FrameRange(0, cut), "hand", (SQUARE,))
     assert second.fields[1] == attrs.evolve(first.fields[0], range=FrameRange(cut, first.fields[0].range.stop))
     assert second.fields[2].by == first.fields[1].by
-    assert second.poses[1].homographies == first.poses[1].homographies, "the other pose is solved as it was"
+    assert apart_in_field(first, second, 1) < 2, "the other pose is tied to this one, and lies as it did"
     assert second.poses[0] != first.poses[0], "the cameras are laid by the field that is drawn"
     third = analysed(recording, out)
     assert third == second, "and once more, from what is kept"
