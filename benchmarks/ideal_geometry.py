@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from mcsl_core import edl
 from mcsl_core.alignment.colour_match import apply_colour
 from mcsl_core.compositing.placement import has_relief, programme_matrix, surface_of
+from mcsl_core.edl.following import placed_pose
 from mcsl_core.edl.placement import first_of_perspective, placement_matrix
 from mcsl_core.edl.resolve import Decision, resolve
 from mcsl_core.imaging.planes import Planes
@@ -42,27 +43,25 @@ Map = Callable[[Points], Points]
 # ---------------------------------------------------------------------------------------------------------- the maps
 
 
-def to_programme(programme: edl.Edl, pose_index: int, camera: str, *, surface: bool) -> Map:
+def to_programme(programme: edl.Edl, pose: edl.Pose, camera: str, *, surface: bool) -> Map:
     """From camera pixels, (N, 2), to programme pixels before centering, as the programme lays that camera's picture.
 
     Parameters
     ----------
-    programme, pose_index, camera
-        Of what.
+    programme, pose, camera
+        Of what; see `placed_pose`.
     surface
         By the pose's relief, where it has one; else by the plane.
     """
-    pose = programme.poses[pose_index]
     matrix = programme_matrix(programme, pose, camera)
-    back = surface_map(programme, pose_index, camera) if surface else None
+    back = surface_map(programme, pose, camera) if surface else None
     if back is None:
         return lambda px: transfer(matrix, px)
     return lambda px: inverse(back, px, transfer(matrix, px))
 
 
-def surface_map(programme: edl.Edl, pose_index: int, camera: str) -> Map | None:
+def surface_map(programme: edl.Edl, pose: edl.Pose, camera: str) -> Map | None:
     """From programme pixels before centering to the camera's pixels by the relief; None where there is none."""
-    pose = programme.poses[pose_index]
     if not has_relief(programme, pose, camera):
         return None
     return Placement(programme_matrix(programme, pose, camera), surface_of(programme, pose, camera)).to_camera
@@ -99,7 +98,7 @@ def displacements(programme: edl.Edl, truth: Truth, *, surface: bool) -> dict[tu
     """
     found = {}
     for index, camera, seen, home in views(programme, truth):
-        at = to_programme(programme, index, camera, surface=surface)(seen)
+        at = to_programme(programme, programme.poses[index], camera, surface=surface)(seen)
         found[index, camera] = _length(at - home, SHIFT_WIDTH / programme.size[0])
     return found
 
@@ -146,7 +145,7 @@ def in_movements(programme: edl.Edl, truth: Truth, *, surface: bool) -> NDArray[
             if pinhole is None:
                 continue
             seen = pinhole.project(truth.field_points_mm)
-            at = to_programme(programme, index, camera, surface=surface)(seen)
+            at = to_programme(programme, placed_pose(programme, frame), camera, surface=surface)(seen)
             home = true_pose(truth, first).field_points_px[reference]
             found.append(_length(at - home, SHIFT_WIDTH / programme.size[0]))
     return np.concatenate(found)
@@ -212,8 +211,8 @@ def jumps(programme: edl.Edl, truth: Truth, cut: Cut, *, surface: bool) -> tuple
                 return None
             seen = pinhole.project(points)
             inside.append(((seen >= 0) & (seen < programme.size)).all(1))
-            pose_index = programme.poses.index(programme.pose_at(frame))
-            places.append(to_programme(programme, pose_index, camera, surface=surface)(seen))
+            pose = placed_pose(programme, frame)
+            places.append(to_programme(programme, pose, camera, surface=surface)(seen))
         both = inside[0] & inside[1]
         found.append(_length((places[1] - places[0])[both], JUMP_WIDTH / programme.size[0]))
     return float(np.median(found[0])), float(np.median(found[1]))

@@ -161,7 +161,7 @@ def laid(own: Recorded, poses: Sequence[SeenPose | None]) -> dict[str, Callable[
     parallax = Parallax(made, footage)
 
     def plane(index: int, camera: str) -> Map:
-        return to_programme(made, index, camera, surface=False)
+        return to_programme(made, made.poses[index], camera, surface=False)
 
     def flow(index: int, camera: str) -> Map:
         matrix = programme_matrix(made, made.poses[index], camera)
@@ -177,7 +177,7 @@ def laid(own: Recorded, poses: Sequence[SeenPose | None]) -> dict[str, Callable[
         "APAP": of(moving_dlt),
         "spline": of(thin_plate),
         "flow": flow,
-        "surface": lambda index, camera: to_programme(made, index, camera, surface=True),
+        "surface": lambda index, camera: to_programme(made, made.poses[index], camera, surface=True),
     }
 
 

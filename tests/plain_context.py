@@ -43,6 +43,10 @@ class PlainContext:
         return self.pose(self.frame)[0]
 
     @property
+    def followed(self):
+        return False
+
+    @property
     def elsewhere(self):
         others = [still for still, _ in self.poses if still != self.still]
         earlier = [s for s in others if s.start < self.still.start]

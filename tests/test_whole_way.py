@@ -15,11 +15,15 @@ import pytest
 from mcsl_core import edl as document
 from mcsl_core.analysis.pipeline import analyse
 from mcsl_core.analysis.settings import AnalysisSettings
+from mcsl_core.compositing.placement import camera_placement, has_relief
 from mcsl_core.edl import Edl, Look, Override
+from mcsl_core.edl.following import placed_pose
 from mcsl_core.evaluation.evaluate import Variant, evaluate, without_alignment
 from mcsl_core.hooks.registry import discover
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import Scenario, Truth, alignment_error, best_plane_error, simulate
+from mcsl_core.simulation.rig import Rig
+from mcsl_core.simulation.schedule import lamp_path
 from mcsl_core.timing import FrameRange
 
 SCENARIOS = {
@@ -83,6 +87,30 @@ def test_the_perspective_survives_the_movements(case: Case) -> None:
         after = np.sqrt(np.mean(((moved[:, :2] / moved[:, 2:] - first) ** 2).sum(axis=1)))
         before = np.sqrt(np.mean(((points - first) ** 2).sum(axis=1)))
         assert after <= max(0.012 * case.edl.size[0], 0.1 * before)
+
+
+def test_the_field_stands_still_while_the_lamp_moves(case: Case) -> None:
+    """Where the field's points lie in the programme by the followed camera, against where they lay at first."""
+    rig, path = Rig.of(case.truth.scenario), lamp_path(case.truth.scenario)
+    home = case.truth.poses[0].field_points_px[0]
+    assert case.edl.movements
+    for movement in case.edl.movements:
+        assert movement.views, "the lamp is followed"
+        off = []
+        for frame in range(movement.range.start, movement.range.stop, 3):
+            pose = placed_pose(case.edl, frame)
+            for index, name in enumerate(case.truth.cameras):
+                own = case.truth.own_frame(name, frame)
+                if own is None or not has_relief(case.edl, pose, name):
+                    continue
+                at = case.truth.clocks[index].programme(own / float(case.truth.rate))
+                seen = rig.camera(index, path.pose(at)[0]).project(case.truth.field_points_mm)
+                placement = camera_placement(case.edl, pose, name, surface=True)
+                assert placement is not None
+                off.append(np.hypot(*(placement.to_programme(seen) - home).T))
+        off = np.concatenate(off) * 960 / case.edl.size[0]
+        assert np.median(off) <= 2
+        assert np.percentile(off, 95) <= 6
 
 
 def test_the_chosen_cameras_see_nearly_what_the_best_would(case: Case) -> None:

@@ -176,6 +176,14 @@ def _unpack_mask(bits: NDArray, size: Sequence[int]) -> Mask:
     return np.unpackbits(bits, count=width * height).reshape(height, width).astype(bool)
 
 
+def _pack_followed(found: Sequence[Movement]) -> dict[str, NDArray]:
+    return {"movements": _text(_converter.unstructure(list(found), list[Movement]))}
+
+
+def _unpack_followed(arrays: Arrays) -> tuple[Movement, ...]:
+    return tuple(_converter.structure(_json(arrays, "movements"), list[Movement]))
+
+
 def _pack_colours(found: Sequence[PoseColours]) -> dict[str, NDArray]:
     return {"colours": _text(_converter.unstructure(list(found), list[PoseColours]))}
 
@@ -202,6 +210,7 @@ DAMAGE = Stage("damage", _pack_damage, _unpack_damage)
 DAMAGE_MET = Stage("decoding", _pack_damage, _unpack_damage)
 MOVEMENTS = Stage("movements", _pack_detection, _unpack_detection)
 POSES = Stage("poses", _pack_poses, _unpack_poses)
+FOLLOWED = Stage("followed", _pack_followed, _unpack_followed)
 COLOURS = Stage("colours", _pack_colours, _unpack_colours)
 MERITS: Stage[dict[str, NDArray]] = Stage("merits", dict, dict)
 SCORES = Stage("scores", ScoreTable.arrays, ScoreTable.from_arrays)

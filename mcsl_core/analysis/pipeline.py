@@ -15,6 +15,7 @@ from mcsl_core import __version__, edl
 from mcsl_core.alignment.pose_colours import follow_drift
 from mcsl_core.alignment.pose_solver import PoseSolver
 from mcsl_core.alignment.poses import solve_poses
+from mcsl_core.alignment.tracking.movement_views import follow_movements
 from mcsl_core.centering.gaze_files import GazeFile, Shown, read_gaze
 from mcsl_core.centering.positions import field_positions, gaze_positions, looks_unplaced
 from mcsl_core.centering.protocol import FieldPosition
@@ -43,6 +44,7 @@ from .cache import (
     CUTS,
     DAMAGE,
     DAMAGE_MET,
+    FOLLOWED,
     MERITS,
     MOVEMENTS,
     POSES,
@@ -113,6 +115,9 @@ def _analysed(
         movements = detection.movements
         solver = PoseSolver(sizes, reference.name, by["matcher"], by["aligner"], settings.solve, by["relief"])
         solved = cache.remember(POSES, keys.poses, solve_poses, solver, samples, movements, frames, progress, drawn)
+        if settings.movement_view == "follow":
+            follow = (samples, solved, movements, footage, reference.name, progress)
+            movements = cache.remember(FOLLOWED, keys.followed, follow_movements, *follow)
         colours = cache.remember(COLOURS, keys.colours, follow_drift, samples, solved, footage, movements, progress)
         segments = Deferred(scoring_segments, samples, solved, movements, by["occlusion"])
         table = cache.remember(SCORES, keys.scores, score_views, samples, solved, segments, movements, progress)

@@ -16,6 +16,7 @@ from mcsl_core.errors import UsageError
 from mcsl_core.timing import parse_rate
 
 _LONGEST_S = 3600.0
+MOVEMENT_VIEWS = ("follow", "hold")
 
 
 def _rate(value: Any) -> Fraction | None:
@@ -40,6 +41,12 @@ def _step(_: Any, __: Any, value: Any) -> None:
         raise UsageError(f"sample_s is seconds from picture to picture, got {value!r}", remedy="Give it as 1.0")
 
 
+def _movement_view(_: Any, __: Any, value: Any) -> None:
+    if value not in MOVEMENT_VIEWS:
+        what = f"movement_view is {' or '.join(MOVEMENT_VIEWS)}, got {value!r}"
+        raise UsageError(what, remedy=f'Give it as "{MOVEMENT_VIEWS[0]}"')
+
+
 @frozen
 class AnalysisSettings:
     """What the caller may choose.
@@ -60,6 +67,8 @@ class AnalysisSettings:
         Of the alignment.
     gaze : tuple of Path
         Files of where viewers looked, which is centred in place of the field.
+    movement_view : {"follow", "hold"}
+        While the lamp moves the programme stands still where the lamp can be followed, or holds its camera and glides.
     cache : bool
         Whether results of stages are kept beside the EDL, and those that are there used again.
     """
@@ -71,4 +80,5 @@ class AnalysisSettings:
     sample_s: float = field(default=1.0, validator=_step)
     solve: SolveSettings = field(factory=SolveSettings)
     gaze: tuple[Path, ...] = field(default=(), converter=_paths)
+    movement_view: str = field(default="follow", validator=_movement_view)
     cache: bool = True

@@ -16,6 +16,7 @@ from attrs import frozen
 
 from mcsl_core.alignment.pose_colours import follow_drift
 from mcsl_core.alignment.poses import solve_poses
+from mcsl_core.alignment.tracking.movement_views import follow_movements
 from mcsl_core.code_keys import code_of
 from mcsl_core.edl import Camera, DrawnField, Shot
 from mcsl_core.hooks.registry import Offer
@@ -38,6 +39,7 @@ class StageKeys:
     samples: str
     movements: str
     poses: str
+    followed: str
     colours: str
     merits: str
     scores: str
@@ -68,11 +70,13 @@ def stage_keys(
     )
     if drawn:
         poses = key_of(poses, [(each.range.start, each.range.stop, each.polygons) for each in drawn])
+    followed = key_of(code_of(follow_movements), poses)
+    seen = followed if settings.movement_view == "follow" else poses
     colours = key_of(code_of(follow_drift), poses)
     merits = key_of(code_of(pose_merits), poses)
-    scores = key_of(code_of(score_views), poses, by["occlusion"])
+    scores = key_of(code_of(score_views), seen, by["occlusion"])
     closer = key_of(code_of(look_closer), scores)
-    return StageKeys(clocks, samples, movements, poses, colours, merits, scores, closer)
+    return StageKeys(clocks, samples, movements, poses, followed, colours, merits, scores, closer)
 
 
 def clocks_key(cameras: Sequence[Camera], reference: str, settings: AnalysisSettings) -> str:

@@ -19,6 +19,7 @@ from mcsl_core.alignment.colour_match import apply_colour, colour_at
 from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.compositing.placement import laid, programme_matrix, surface_of
 from mcsl_core.edl import Edl
+from mcsl_core.edl.following import placed_pose
 from mcsl_core.edl.placement import placement_matrix
 from mcsl_core.edl.resolve import Decision, resolve_by_pose, shift_at
 from mcsl_core.errors import Fault, MediaError, UsageError
@@ -66,11 +67,14 @@ class Views:
         """Where the compositor lays a camera's picture at a frame."""
         self.check_camera(camera)
         decision, pose_index = self.decision_at(frame)
-        pose = self.edl.poses[pose_index]
+        pose = placed_pose(self.edl, index(frame))
         matrix = programme_matrix(self.edl, pose, camera)
         if placement_matrix(self.edl, pose, camera) is None:
             return Placement(matrix)
-        surface = self._surface(pose_index, camera) if decision.surface else None
+        surface = None
+        if decision.surface:
+            stands = pose is self.edl.poses[pose_index]
+            surface = self._surface(pose_index, camera) if stands else surface_of(self.edl, pose, camera)
         return Placement(matrix, surface, shift_at(self.edl, decision, index(frame)))
 
     @kept
@@ -84,8 +88,8 @@ class Views:
     def aligned_frame(self, camera: str, frame: int) -> U8:
         """The camera's picture where the programme would show it, nothing filled."""
         planes = laid(self._own(camera, frame), self.placement(camera, frame), self.edl.size)
-        decision, pose_index = self.decision_at(frame)
-        match = colour_at(self.edl.poses[pose_index], camera, (index(frame),)) if decision.colour else None
+        decision, _ = self.decision_at(frame)
+        match = colour_at(placed_pose(self.edl, index(frame)), camera, (index(frame),)) if decision.colour else None
         return _rgb(planes if match is None else apply_colour(planes, match))
 
     def check_camera(self, camera: str) -> None:

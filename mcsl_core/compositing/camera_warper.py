@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsl_core.alignment.colour_match import apply_colour, drift_at
-from mcsl_core.edl import Edl, Relief
+from mcsl_core.edl import Edl, MovementView, Pose, Relief
+from mcsl_core.edl.following import followed_movement, placed_pose
 from mcsl_core.edl.placement import placement_matrix, still_range
 from mcsl_core.filling.protocol import CELL
 from mcsl_core.filling.viewpoint import viewpoint_difference
@@ -34,7 +35,7 @@ from mcsl_core.lru_cache import LruCache, kept
 
 from .parallax import Parallax
 from .picture_source import PicturePlayer, PictureSource
-from .placement import has_relief, programme_matrix
+from .placement import has_relief, programme_matrix, surface_of
 
 # Of what comes again frame after frame while the programme stands still, at 1080p; more of a larger programme.
 _PICTURES_BYTES = 50_000_000  # warped medians: 16 of the whole frame
@@ -42,6 +43,8 @@ _MAPS_BYTES = 60_000_000  # tables for remapping: 3 of the whole frame
 _MEDIANS_BYTES = 5_000_000  # medians by cell, 24 kB each
 _EDGES_BYTES = 5_000_000  # tapered warp fields, 80 kB each
 _EDGE = 1 / 15  # of the programme's width: over so much the chosen camera's picture goes over into the others'
+_MOVING = 2.0  # times as far apart the nodes of a surface lie that serves one frame; the field is .02 px off by it
+_FOLLOWED = 16  # poses of single frames that are kept
 _TO_CELL = np.array([[1 / CELL, 0, 0.5 / CELL - 0.5], [0, 1 / CELL, 0.5 / CELL - 0.5], [0, 0, 1]])
 Laid = Literal["plane", "surface", "parallax", "edge"]  # see `CameraWarper.warped`
 Offset = tuple[float, float]  # the centering's, in programme pixels
@@ -67,6 +70,10 @@ class CameraWarper:
         By pose: the range in which the lamp stands still.
     geometry : int
         Equal for EDLs whose cameras' pictures lie alike.
+
+    Notes
+    -----
+    Beside the EDL's poses there is one more for every frame of a movement that is followed; `pose_at` has its index.
     """
 
     def __init__(
@@ -79,7 +86,9 @@ class CameraWarper:
         sizes = tuple((camera.name, camera.size) for camera in edl.cameras)
         matrices = tuple(placement_matrix(edl, pose, name) for pose in edl.poses for name, _ in sizes)
         reliefs = tuple(_facts(pose.relief) for pose in edl.poses)
-        self.geometry = hash((edl.size, edl.rate, edl.reference, sizes, self.still, matrices, reliefs))
+        moving = tuple(_places(view) for movement in edl.movements for view in movement.views)
+        self.geometry = hash((edl.size, edl.rate, edl.reference, sizes, self.still, matrices, reliefs, moving))
+        self._followed: dict[int, Pose] = {}
         self._forget()
         self._stack = ExitStack()
         self._players: dict[str, PicturePlayer] = {}
@@ -106,11 +115,27 @@ class CameraWarper:
 
     def median(self, camera: str, median_of: Sequence[int]) -> Planes | None:
         """The median of the camera's own pictures near the programme frames ``median_of`` of one pose, or None."""
-        return self._pictures.median(camera, median_of, self.still[self.pose_at(median_of[0])])
+        return self._pictures.median(camera, median_of, self.still[self.standing_at(median_of[0])])
+
+    def standing_at(self, frame: int) -> int:
+        """Index of the EDL's pose whose range a programme frame lies in."""
+        return bisect_right(self.edl.poses, frame, key=lambda pose: pose.range.start) - 1
 
     def pose_at(self, frame: int) -> int:
-        """Index of the pose of a programme frame."""
-        return bisect_right(self.edl.poses, frame, key=lambda pose: pose.range.start) - 1
+        """Index of the pose by which pictures of a programme frame are laid; see the class."""
+        followed = followed_movement(self.edl, frame) is not None
+        return len(self.edl.poses) + frame if followed else self.standing_at(frame)
+
+    def pose(self, pose_index: int) -> Pose:
+        """The pose of that index."""
+        count = len(self.edl.poses)
+        if pose_index < count:
+            return self.edl.poses[pose_index]
+        if pose_index not in self._followed:
+            while len(self._followed) >= _FOLLOWED:
+                self._followed.pop(next(iter(self._followed)))
+            self._followed[pose_index] = placed_pose(self.edl, pose_index - count)
+        return self._followed[pose_index]
 
     def is_placed(self, pose_index: int, camera: str) -> bool:
         """Whether it is known where the camera's picture lies in pose ``pose_index``."""
@@ -130,7 +155,7 @@ class CameraWarper:
 
     def has_relief(self, pose_index: int, camera: str) -> bool:
         """Whether the pose's relief says where the camera's picture lies."""
-        return has_relief(self.edl, self.edl.poses[pose_index], camera)
+        return has_relief(self.edl, self.pose(pose_index), camera)
 
     def warped(
         self,
@@ -199,7 +224,8 @@ class CameraWarper:
         """
         size = (-(-self.edl.size[0] // CELL), -(-self.edl.size[1] // CELL))
         now, before = self._level(camera, (frame,)), self._median_cells(camera, median_of)
-        if now is None or before is None or not self.is_placed(pose_index, camera):
+        moving = pose_index >= len(self.edl.poses)  # everything differs from a median of the lamp at rest
+        if now is None or before is None or moving or not self.is_placed(pose_index, camera):
             return np.zeros(size[::-1], np.float32)
         difference = np.max([cv2.absdiff(a, b) for a, b in zip(_cell_means(now), before, strict=True)], axis=0)
         difference = difference.astype(np.float32)
@@ -237,7 +263,7 @@ class CameraWarper:
     def _level(self, camera: str, frames: tuple[int, ...]) -> Planes | None:
         """Its own picture, or the median of several, without drift: light that changes is nobody who moves."""
         planes = self.own_picture(camera, frames[0]) if len(frames) == 1 else self.median(camera, frames)
-        drift = drift_at(self.edl.poses[self.pose_at(frames[0])], camera, frames)
+        drift = drift_at(self.edl.poses[self.standing_at(frames[0])], camera, frames)
         return planes if planes is None or drift is None else apply_colour(planes, drift)
 
     def _median_cells(self, camera: str, median_of: tuple[int, ...]) -> list[U8] | None:
@@ -251,10 +277,16 @@ class CameraWarper:
         """What is added to the camera's homography."""
         if laid == "plane":
             return None
-        if laid == "parallax":
-            return self.parallax.of(pose_index, camera)
+        moving = pose_index >= len(self.edl.poses)
+        if laid == "surface" and moving:
+            pose = self.pose(pose_index)
+            return self._edges.get((pose_index, camera), lambda: surface_of(self.edl, pose, camera, coarser=_MOVING))
         if laid == "surface":
             return self.parallax.by_relief(pose_index, camera)
+        if moving:  # flow is between medians, and there is none of a lamp that moves
+            return None
+        if laid == "parallax":
+            return self.parallax.of(pose_index, camera)
 
         def make() -> WarpField | None:
             warp_field, matrix = self.parallax.of(pose_index, camera), self._placement(pose_index, camera)[0]
@@ -270,13 +302,17 @@ class CameraWarper:
     @kept
     def _placement(self, pose_index: int, camera: str) -> tuple[Homography, bool]:
         """Where a camera's picture lies before centering, and whether that is known."""
-        pose = self.edl.poses[pose_index]
+        pose = self.pose(pose_index)
         matrix = programme_matrix(self.edl, pose, camera)
         return matrix, placement_matrix(self.edl, pose, camera) is not None
 
 
 def _facts(relief: Relief | None) -> Hashable:
     return relief and (tuple(sorted(relief.projections.items())), relief.gamma, relief.confidence)
+
+
+def _places(view: MovementView) -> Hashable:
+    return view.frame, tuple(sorted(view.homographies.items())), tuple(sorted(view.projections.items()))
 
 
 def _cell_means(planes: Planes) -> list[U8]:

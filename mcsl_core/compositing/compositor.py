@@ -136,15 +136,16 @@ class Compositor:
         return _Composited(perspective, self._frame(frame, decision, pose_index, known))
 
     def _frame(self, frame: int, decision: Decision, pose_index: int, previous: Planes | None) -> Planes:
-        edl, camera = self.edl, self._camera_with_picture(frame, decision, pose_index)
+        edl, laid_by = self.edl, self._warper.pose_at(frame)
+        camera = self._camera_with_picture(frame, decision, laid_by)
         if camera is None:
             return black(edl.size)
         offset = shift_at(edl, decision, frame)
-        steady = all(shift_at(edl, decision, near) == offset for near in (frame - 1, frame + 1))
+        steady = laid_by == pose_index and all(shift_at(edl, decision, n) == offset for n in (frame - 1, frame + 1))
         context = FrameContext(
             self._warper, frame, camera, pose_index, offset, decision.colour, decision.surface, steady, previous
         )
-        if decision.fill and self._warper.is_placed(pose_index, camera):
+        if decision.fill and self._warper.is_placed(laid_by, camera):
             return self.filler.fill(context)
         return self.filler.unfilled(context) if isinstance(self.filler, ShowProvenance) else context.front
 

@@ -34,7 +34,7 @@ class FrameContext:
     camera : str
         The chosen camera.
     pose_index : int
-        Index of the frame's pose in the EDL.
+        Index of the pose in the EDL whose range the frame lies in.
     offset : (float, float)
         The centering's, in programme pixels.
     colour : bool
@@ -75,8 +75,17 @@ class FrameContext:
         return self.warper.edl.size
 
     @property
+    def laid_by(self) -> int:
+        """Index of the pose that lays this frame's pictures: while the lamp is followed another in every frame."""
+        return self.warper.pose_at(self.frame)
+
+    @property
     def others(self) -> Sequence[str]:
-        return self.warper.others(self.pose_index, self.camera)
+        return self.warper.others(self.laid_by, self.camera)
+
+    @property
+    def followed(self) -> bool:
+        return self.laid_by != self.pose_index
 
     @property
     def still(self) -> FrameRange:
@@ -84,18 +93,19 @@ class FrameContext:
 
     @property
     def elsewhere(self) -> Sequence[FrameRange]:
-        return [self.warper.still[i] for i in other_poses(self.warper.edl, self.pose_index)]
+        others = other_poses(self.warper.edl, self.pose_index)
+        return [self.warper.still[i] for i in ((self.pose_index, *others) if self.followed else others)]
 
     @property
     def geometry(self) -> Hashable:
-        return self.warper.geometry, self.pose_index, self.camera, self.surface, self.steady, *self._footprint_offset()
+        return self.warper.geometry, self.laid_by, self.camera, self.surface, self.steady, *self._footprint_offset()
 
     def change(self, camera: str, median_of: Sequence[int]) -> NDArray[np.float32]:
-        laid = self._laid(self.pose_index, camera, False)
-        return self.warper.change(self.pose_index, camera, self.offset, self.frame, tuple(median_of), laid=laid)
+        laid = self._laid(self.laid_by, camera, False)
+        return self.warper.change(self.laid_by, camera, self.offset, self.frame, tuple(median_of), laid=laid)
 
     def footprint(self, camera: str, frame: int | None = None, *, parallax_corrected: bool = False) -> U8:
-        pose_index = self.pose_index if frame is None else self.warper.pose_at(frame)
+        pose_index = self.laid_by if frame is None else self.warper.pose_at(frame)
         laid = self._laid(pose_index, camera, parallax_corrected)
         mask = self.warper.footprint(pose_index, camera, self._footprint_offset(), laid)
         if not self.steady:  # shared by offsets up to half the grid away: inside for all of them
@@ -136,7 +146,7 @@ class FrameContext:
             return "surface"
         if not parallax_corrected:
             return "plane"
-        return "edge" if (pose_index, camera) == (self.pose_index, self.camera) else "parallax"
+        return "edge" if (pose_index, camera) == (self.laid_by, self.camera) else "parallax"
 
     def _warped(
         self,
@@ -155,6 +165,6 @@ class FrameContext:
         wide = rect.grown(border)
         laid = self._laid(pose_index, camera, parallax_corrected)
         planes = self.warper.warped(planes, pose_index, camera, self.offset, wide, laid=laid, again=self.steady)
-        match = colour_at(self.warper.edl.poses[pose_index], camera, frames) if self.colour else None
+        match = colour_at(self.warper.pose(pose_index), camera, frames) if self.colour else None
         planes = planes if match is None else apply_colour(planes, match)
         return Rect(border, border, rect.width, rect.height).of(blurred(planes, blur_px)) if blur_px else planes

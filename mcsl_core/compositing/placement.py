@@ -53,8 +53,11 @@ def has_relief(edl: Edl, pose: Pose, camera: str) -> bool:
     return known and placement_matrix(edl, pose, camera) is not None
 
 
-def surface_of(edl: Edl, pose: Pose, camera: str) -> WarpField | None:
-    """What the pose's relief adds to where `programme_matrix` lays a camera's picture; None where it adds nothing."""
+def surface_of(edl: Edl, pose: Pose, camera: str, *, coarser: float = 1.0) -> WarpField | None:
+    """What the pose's relief adds to where `programme_matrix` lays a camera's picture; None where it adds nothing.
+
+    ``coarser``: see `surface_field`.
+    """
     if pose.relief is None or not has_relief(edl, pose, camera):
         return None
     correction = correction_of(edl, pose, camera)
@@ -63,6 +66,7 @@ def surface_of(edl: Edl, pose: Pose, camera: str) -> WarpField | None:
         np.array(pose.relief.projections[camera], np.float64),
         programme_matrix(edl, pose, camera),
         None if correction is None else np.array(correction, np.float64),
+        coarser=coarser,
     )
 
 

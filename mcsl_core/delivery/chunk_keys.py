@@ -32,6 +32,7 @@ from mcsl_core.edl.dependencies import (
     drifting,
     fill_views,
     follows_centering,
+    movement_over,
     offset_bounds,
     offsets_over,
     poses_filled_from,
@@ -124,7 +125,7 @@ def _contents(edl: Edl, base: Path, filler: Filler | None) -> Iterator[tuple[Fra
         piece = FrameRange(start, min(start + step, edl.frames))
         block = start - start % block_frames(edl) if filler.remembers else start
         before = remembered(block) if filler.remembers else ()
-        parts: list[tuple[FrameRange, tuple[str, bool, tuple[int, tuple[str, ...]] | None]]] = []
+        parts: list[tuple[FrameRange, tuple[str, bool, tuple[int, tuple[str, ...]] | None, str | None]]] = []
         for span in (*(FrameRange(frame, frame + 1) for frame in before), FrameRange(block, piece.stop)):
             first = bisect_right(stretches, span.start, key=lambda s: s[0].start) - 1
             for stretch, decision, pose_index in stretches[first:]:
@@ -132,7 +133,8 @@ def _contents(edl: Edl, base: Path, filler: Filler | None) -> Iterator[tuple[Fra
                 if part is None:
                     break
                 drift = facts.drift(decision, pose_index)
-                parts.append((part, (facts.of(part, decision, pose_index), follows_centering(decision), drift)))
+                moves = facts.moves(part)
+                parts.append((part, (facts.of(part, decision, pose_index), follows_centering(decision), drift, moves)))
         yield (
             piece,
             _digest(
@@ -144,7 +146,8 @@ def _contents(edl: Edl, base: Path, filler: Filler | None) -> Iterator[tuple[Fra
                     "parts": [
                         [part.start, part.stop, digest, offsets_over(edl, part) if keyed else None]
                         + ([drift_over(edl, *drift, part)] if drift else [])
-                        for part, (digest, keyed, drift) in merge_equal(parts)
+                        + ([moves] if moves else [])
+                        for part, (digest, keyed, drift, moves) in merge_equal(parts)
                     ],
                 }
             ),
@@ -170,6 +173,11 @@ class _Facts:
         """The pose, and the cameras that drift in it, where any does."""
         cameras = tuple(drifting(views_of(self.edl, self.edl.poses[pose_index], decision)))
         return (pose_index, cameras) if cameras else None
+
+    def moves(self, part: FrameRange) -> str | None:
+        """How the cameras lie where the lamp is followed in it; None where it is not."""
+        found = movement_over(self.edl, part)
+        return _digest(found) if found else None
 
     @kept
     def _bounds(self, pose_index: int) -> tuple[Offset, Offset]:

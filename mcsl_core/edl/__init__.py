@@ -5,12 +5,13 @@ follows from a document stands beside: `resolve` (what holds after the editor's 
 pictures lie), `edits` (changes to a whole document).
 """
 
+from .checks import IDENTITY, Matrix
 from .colour import Colour, ColourKey, Matrix34
 from .field import DrawnField, FieldStretch
+from .movement import Movement, MovementView
 from .outside import allowed_outside, remember
 from .relief import Relief
 from .schema import (
-    IDENTITY,
     Camera,
     CenteringKey,
     Clock,
@@ -18,9 +19,7 @@ from .schema import (
     Edl,
     Look,
     MadeBy,
-    Matrix,
     Media,
-    Movement,
     Override,
     Pose,
     Shot,
@@ -46,6 +45,7 @@ __all__ = [
     "Matrix34",
     "Media",
     "Movement",
+    "MovementView",
     "Override",
     "Pose",
     "Relief",

@@ -1,4 +1,4 @@
-"""What numbers and counts of the document may be, and how a wrong one is refused."""
+"""What numbers, matrices and counts of the document may be, and how a wrong one is refused."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ MOST_FRAMES = 50_000_000  # two days at 240 frames/s have 41 million
 LONGEST_S = 48 * 3600
 LARGEST_SIDE = 16_384
 MOST_CAMERAS, MOST_FILES, MOST_POSES, MOST_DRAWN, MOST_DECISIONS = 256, 10_000, 10_000, 1_000, 100_000
+Matrix = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
+IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 UNIT = Bounds(0, 1)
 FRAMES = Bounds(1, MOST_FRAMES)
 SIDES = Bounds(1, LARGEST_SIDE)

@@ -133,6 +133,19 @@ def drift_over(edl: Edl, pose_index: int, cameras: Iterable[str], part: FrameRan
     return {name: keys_over(edl.poses[pose_index].colour_keys[name], part) for name in cameras}
 
 
+def movement_over(edl: Edl, part: FrameRange) -> list[Any]:
+    """What the pictures of ``part`` depend on where the lamp moves and is followed: nothing elsewhere."""
+    found = []
+    for movement in edl.movements:
+        views = movement.views
+        if views and views[0].frame < part.stop and part.start <= views[-1].frame:
+            middle = (movement.range.start + movement.range.stop) // 2
+            beside = [edl.pose_at(max(0, middle - 1)), edl.pose_at(min(middle, edl.frames - 1))]
+            goes_over = [[p.colour, p.relief and [p.relief.gamma, p.relief.confidence]] for p in beside]
+            found.append([[[v.frame, v.homographies, v.projections] for v in views], goes_over])
+    return found
+
+
 def offset_bounds(edl: Edl, part: FrameRange) -> tuple[Offset, Offset]:
     """The least and the greatest offsets of the automatic centering over ``part``."""
     _, x, y = zip(*offsets_over(edl, part), strict=True)

@@ -21,6 +21,7 @@ from mcsl_core.timing import FrameRange, check_rate, check_tiles
 
 from .checks import (
     FRAMES,
+    IDENTITY,
     LONGEST_S,
     MOST_CAMERAS,
     MOST_DECISIONS,
@@ -33,15 +34,14 @@ from .checks import (
     SIDES,
     UNIT,
     FileName,
+    Matrix,
     check_matrix,
     require,
 )
 from .colour import Colour, ColourKey, check_keys
 from .field import DrawnField, FieldStretch
+from .movement import Movement
 from .relief import Relief
-
-Matrix = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
-IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 def _positive_rate(_: Any, attribute: attrs.Attribute[Any], value: Fraction) -> None:
@@ -102,14 +102,6 @@ class Camera:
     rate: Fraction = field(validator=_positive_rate, metadata=doc("nominal frames per second"))
     clock: Clock = field(factory=Clock, metadata=doc("relation to the programme clock"))
     gaps: tuple[FrameRange, ...] = field(default=(), metadata=doc("programme ranges with no picture, in order"))
-
-
-@frozen
-class Movement:
-    """A stretch in which the lamp moves."""
-
-    range: FrameRange = field(metadata=doc("first moving frame to first frame standing still again"))
-    confidence: float = field(default=1.0, validator=UNIT, metadata=doc("how sure the detector is"))
 
 
 @frozen
@@ -321,6 +313,13 @@ class Edl:
 
     def _check_movements(self) -> None:
         self._check_ordered([m.range for m in self.movements], lambda i: f".movements[{i}].range")
+        last = -1
+        for index, movement in enumerate(self.movements):
+            for n, view in enumerate(movement.views):
+                at = f".movements[{index}].views[{n}]"
+                require(last < view.frame < self.frames, f"frame {view.frame} does not rise, or ends after all", at)
+                last = view.frame
+                self._check_names((f"{at}.{part}{key_path(name)}", name) for part, name in view.names())
 
     def _check_poses(self) -> None:
         check_tiles((p.range for p in self.poses), self.frames, "poses")

@@ -114,7 +114,8 @@ def plan_layers(context: FillContext, absent: frozenset[Source], feather_px: flo
             live = stack.add(Source(source.camera), _SLIVER)  # the one that is decoded all along
             if live:
                 continue
-        stack.add(source, _SPECK)
+        if not (source.median and context.followed):
+            stack.add(source, _SPECK)
     stack.add_plane_only()
     sources = tuple(stack.sources)
     regions = tuple(_regions(stack.visible_shares()))

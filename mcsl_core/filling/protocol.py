@@ -49,6 +49,13 @@ class FillContext(Protocol):
         ...
 
     @property
+    def followed(self) -> bool:
+        """Whether the lamp moves and is followed: pictures now then lie otherwise than medians, which stand among
+        `elsewhere` alone.
+        """
+        ...
+
+    @property
     def still(self) -> FrameRange:
         """The range of this frame's pose in which the lamp stands still: a picture from it lies right."""
         ...

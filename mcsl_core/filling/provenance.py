@@ -116,6 +116,10 @@ class _TintedContext:
         return self.context.others
 
     @property
+    def followed(self) -> bool:
+        return self.context.followed
+
+    @property
     def still(self) -> FrameRange:
         return self.context.still
 

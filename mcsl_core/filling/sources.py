@@ -46,7 +46,8 @@ def candidates(context: FillContext) -> Iterator[Source]:
     for camera in context.others:
         yield Source(camera, median=True)
     for still in context.elsewhere:
-        frame = still.stop - 1 if still.start < context.still.start else still.start  # the nearest in time
+        before = (still.start + still.stop) // 2 < context.frame
+        frame = still.stop - 1 if before else still.start  # the nearest in time
         for camera in (context.camera, *context.others):
             yield Source(camera, frame=frame)
 

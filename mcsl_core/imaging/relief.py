@@ -93,7 +93,12 @@ def between_nodes(values: NDArray, size: tuple[int, int], points: Array) -> Arra
 
 
 def surface_field(
-    relief: ReliefMap, projection: Array, matrix: Homography, correction: Homography | None = None
+    relief: ReliefMap,
+    projection: Array,
+    matrix: Homography,
+    correction: Homography | None = None,
+    *,
+    coarser: float = 1.0,
 ) -> WarpField | None:
     """What the relief adds to a camera's plane.
 
@@ -107,6 +112,8 @@ def surface_field(
         (3, 3), camera pixel -> programme pixel before centering, by the plane and ``correction``.
     correction
         (3, 3), programme pixel -> programme pixel, by hand, which moves the surface as it does the plane.
+    coarser
+        Times the distance between nodes, for a field that serves a single frame: twice costs a quarter.
 
     Returns
     -------
@@ -114,7 +121,7 @@ def surface_field(
         What belongs at pixel p lies at p + shift(p) after ``matrix``; None where that is p, to a hundredth pixel.
     """
     width, height = relief.size
-    step, margin = _STEP * width, _BEYOND * width
+    step, margin = coarser * _STEP * width, _BEYOND * width
     columns, rows = (int(np.ceil((n + 2 * margin) / step)) + 1 for n in (width, height))
     x, y = np.meshgrid(np.arange(columns) * step - margin, np.arange(rows) * step - margin)
     nodes = np.asarray(np.stack([x, y], axis=-1).reshape(-1, 2), np.float64)
@@ -129,7 +136,7 @@ def surface_field(
     inside = np.clip(1 - np.hypot(*outside.T) / (0.9 * margin), 0, 1)
     sure = np.minimum(1, confidence / _CONFIDENT)
     weight = (sure * known * inside * inside * (3 - 2 * inside)).reshape(rows, columns).astype(np.float32)
-    weight = cv2.GaussianBlur(weight, (0, 0), _SOFT / _STEP, borderType=cv2.BORDER_REPLICATE)
+    weight = cv2.GaussianBlur(weight, (0, 0), _SOFT / _STEP / coarser, borderType=cv2.BORDER_REPLICATE)
     shift = np.where(known[:, None], there - nodes, 0).reshape(rows, columns, 2) * weight[..., None]
     shift = _bounded(shift.astype(np.float32), step)
     return WarpField(shift, (-margin, -margin), step) if np.abs(shift).max() > _LEAST else None

@@ -10,9 +10,11 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
-from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView
+from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView, Picture
 from mcsl_core.alignment.observations import SolvedPose
+from mcsl_core.alignment.tracking.followed_views import aligned_at
 from mcsl_core.edl import Movement
+from mcsl_core.imaging.geometry import Array
 from mcsl_core.progress import Progress
 from mcsl_core.recording.sample_store import SampleStore
 from mcsl_core.timing import FrameRange
@@ -62,16 +64,26 @@ class ScoringSegment:
         The views that its scorer is made from.
     detector : OcclusionDetector
         What makes the scorer.
+    anchor : (3, 3) array
+        The pose's reference camera's pixel -> programme pixel.
+    movements : sequence of Movement
+        Those that are followed have views.
     """
 
     range: FrameRange
     samples: SegmentSamples
     detector: OcclusionDetector
+    anchor: Array = attrs.field(factory=lambda: np.eye(3))
+    movements: Sequence[Movement] = ()
 
     @cached_property
     def scorer(self) -> OcclusionScorer:
         """The segment's scorer, made at first use: where all scores are in the cache, only around switches."""
         return self.detector.scorer(self.samples.aligned, self.samples)
+
+    def views(self, pictures: Mapping[str, Picture | None], shown: Mapping[str, float]) -> tuple[AlignedView, ...]:
+        """The views of one frame; ``shown``: camera -> when its picture was taken, in programme frames."""
+        return aligned_at(self.samples.aligned, self.anchor, self.movements, shown).views(pictures)
 
     def score(self, views: Sequence[AlignedView]) -> Mapping[str, float]:
         """Scores the views of one frame; see `OcclusionScorer.score`."""
@@ -111,7 +123,8 @@ def scoring_segments(
         edges = [pose.pose.range.start, *(samples.frames[int(part[0])] for part, _ in parts[1:]), pose.pose.range.stop]
         for (part, aligned), start, stop in zip(parts, edges, edges[1:], strict=False):
             views = SegmentSamples(samples, aligned, part)
-            segments.append(ScoringSegment(FrameRange(start, stop), views, detector))
+            anchor = np.array(pose.pose.anchor)
+            segments.append(ScoringSegment(FrameRange(start, stop), views, detector, anchor, movements))
     return tuple(segments)
 
 
@@ -133,7 +146,7 @@ def score_views(
     segments : sequence of ScoringSegment
         Those of ``solved``.
     movements : sequence of Movement
-        In them there is no data.
+        In them there is no data, unless they are followed.
     progress : Progress
         Told of every sample.
 
@@ -146,11 +159,13 @@ def score_views(
     visible = np.full((len(samples), len(samples.cameras)), np.nan)
     usable = np.zeros(visible.shape, bool)
     shown = np.repeat(np.array(samples.frames, np.int64)[:, None], len(samples.cameras), axis=1)
+    held = [movement for movement in movements if not movement.views]
     for pose in solved:
-        still = set(samples.standing(pose.pose.range, movements))
+        still = set(samples.standing(pose.pose.range, held))
         for position in samples.within(pose.pose.range):
             sample = samples[position]
-            views = pose.aligned.views(sample.pictures)
+            taken = {name: float(sample.shown_frames.get(name, sample.frame)) for name in sample.pictures}
+            views = aligned_at(pose.aligned, np.array(pose.pose.anchor), movements, taken).views(sample.pictures)
             segment = next((s for s in segments if sample.frame in s.range), None) if position in still else None
             scores = {} if segment is None else segment.score(views)
             for view in views:
@@ -159,7 +174,7 @@ def score_views(
                 usable[position, column] = True
                 # A camera may run before the programme begins and after it ends.
                 within = min(max(frame, solved[0].pose.range.start), solved[-1].pose.range.stop - 1)
-                if within in pose.pose.range and not any(within in m.range for m in movements):
+                if within in pose.pose.range and not any(within in m.range for m in held):
                     visible[position, column] = scores.get(view.camera, np.nan)
             progress.advance(position + 1)
     return ScoreTable(np.array(samples.frames), samples.cameras, visible, usable, shown=shown)

@@ -15,6 +15,7 @@ from attrs import field, frozen
 from numpy.typing import NDArray
 
 from mcsl_core.edl import Movement
+from mcsl_core.edl.following import shown_at
 from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.occlusion.scoring import ScoringSegment
 from mcsl_core.progress import Progress
@@ -64,7 +65,8 @@ def look_closer(
     segments : sequence of ScoringSegment
         What scores them.
     movements : sequence of Movement
-        In them there is no data, and no closer look; right before and after them a look.
+        In them there is no data, and no closer look; right before and after them a look. Those that are followed are
+        looked at closely all along: arms grip the lamp, and every view goes over the field.
     progress : Progress
         Told of every frame that is scored.
     settings : CloseLookSettings, optional
@@ -77,12 +79,14 @@ def look_closer(
         frame and no longer of the keyframe nearest to it.
     """
     step = max(1, round(settings.step_s * float(footage.rate)))
-    alone = [FrameRange(n, n + 1) for n in unseen_edges(table, movements, footage.frames, step)]
-    looks = [look for one in alone for look in _within(one, step, segments, movements)]
+    held = [movement for movement in movements if not movement.views]
+    alone = [FrameRange(n, n + 1) for n in unseen_edges(table, held, footage.frames, step)]
+    looks = [look for one in alone for look in _within(one, step, segments, held)]
     progress.stage("Looking before and after movements", len(looks), "frames")
     table = _with_rows(table, _looked(table.cameras, footage, looks, progress))
-    stretches = fast_changes(table, step, settings.change)
-    looks = [look for stretch in stretches for look in _within(stretch, step, segments, movements)]
+    followed = [movement.range for movement in movements if movement.views]
+    stretches = joined([*fast_changes(table, step, settings.change), *followed])
+    looks = [look for stretch in stretches for look in _within(stretch, step, segments, held)]
     progress.stage("Looking closer where much changes", sum(len(frames) for _, frames in looks), "frames")
     return _with_rows(table, _looked(table.cameras, footage, looks, progress))
 
@@ -125,11 +129,13 @@ def _looked(
         pictures = [footage.pictures(camera, frames, height=SAMPLE_HEIGHT) for camera in cameras]
         for together in zip(*pictures, strict=True):
             shown = {camera: picture for camera, (_, picture) in zip(cameras, together, strict=True)}
-            views = segment.samples.aligned.views(shown)
+            frame = together[0][0]
+            taken = {name: shown_at(footage.camera(name), frame, footage.rate) for name in cameras}
+            views = segment.views(shown, taken)
             scores = segment.score(views)
             there = {view.camera for view in views}
             usable = np.array([camera in there for camera in cameras])
-            rows[together[0][0]] = np.array([scores.get(camera, np.nan) for camera in cameras]), usable
+            rows[frame] = np.array([scores.get(camera, np.nan) for camera in cameras]), usable
             progress.advance(len(rows))
     return rows
 
@@ -164,6 +170,17 @@ def fast_changes(table: ScoreTable, step: int, change: float) -> list[FrameRange
         else:
             stretches.append(FrameRange(start, stop))
     return stretches
+
+
+def joined(pieces: Sequence[FrameRange]) -> list[FrameRange]:
+    """The same frames in order, those that touch as one."""
+    found: list[FrameRange] = []
+    for piece in sorted(pieces):
+        if found and piece.start <= found[-1].stop:
+            found[-1] = FrameRange(found[-1].start, max(found[-1].stop, piece.stop))
+        else:
+            found.append(piece)
+    return found
 
 
 def _within(

@@ -16,6 +16,7 @@ from attrs import field, frozen
 from numpy.typing import NDArray
 
 from mcsl_core.edl import Movement, Shot
+from mcsl_core.edl.following import shown_at
 from mcsl_core.occlusion.scoring import ScoringSegment
 from mcsl_core.progress import Progress
 from mcsl_core.recording.footage import Footage
@@ -69,7 +70,7 @@ def refine_switches(
     segments : sequence of ScoringSegment
         What scores them.
     movements : sequence of Movement
-        While the lamp moves no score holds.
+        While the lamp moves no score holds, unless it is followed.
     progress : Progress
         Told of every switch.
     min_shot_s : float
@@ -98,7 +99,8 @@ def refine_switches(
 
     progress.stage("Refining the switches", len(shots) - 1, "switches")
     switches: list[int] = []
-    for switch in moved_switches(shots, movements, footage.rate, min_shot_s, choose_frame, settings):
+    held = [movement for movement in movements if not movement.views]
+    for switch in moved_switches(shots, held, footage.rate, min_shot_s, choose_frame, settings):
         switches.append(switch)
         progress.advance(len(switches))
     return tuple(switches)
@@ -231,7 +233,8 @@ def _visible(camera: str, frames: Sequence[int], footage: Footage, segment: Scor
     """(N,) visible field of ``camera`` at ``frames``, 0..1, NaN without picture."""
     visible = np.full(len(frames), np.nan)
     for position, (_, picture) in enumerate(footage.pictures(camera, frames, height=SAMPLE_HEIGHT)):
-        views = segment.samples.aligned.views({camera: picture})
+        taken = shown_at(footage.camera(camera), frames[position], footage.rate)
+        views = segment.views({camera: picture}, {camera: taken})
         if views:
             visible[position] = segment.score(views)[camera]
     return visible

@@ -22,6 +22,13 @@ from mcsl_core.timing import parse_rate
 @click.option("--rate", help="Programme frames per second (default: the reference camera's).")
 @click.option("--sync", default="auto", show_default=True, help="auto (first sure), timecode, audio, motion or none.")
 @click.option("--gaze", type=PATH, multiple=True, help="Where viewers looked (CSV): centres that, not the field.")
+@click.option(
+    "--movement-view",
+    type=click.Choice(("follow", "hold")),
+    default="follow",
+    show_default=True,
+    help="While the lamp moves: follow it, so that the programme stands still, or hold the camera.",
+)
 @click.option("--no-cache", is_flag=True, help="Neither use nor keep results of stages beside the EDL.")
 @stage_options
 @FORCE

@@ -1,0 +1,212 @@
+"""The lamp as a rigid body: its cameras calibrated from a perspective's poses, its place and zoom in each of them.
+
+A perspective's reliefs know its scene and cameras but for a projective transformation of space. That a camera's pixels
+are square, its axis goes through the picture's middle and the rig is rigid leaves little of it open (self-calibration,
+Hartley and Zisserman 2004, chapter 19): a focal length a camera, the plane at infinity, and six numbers and a zoom a
+pose. What a rig does beyond that, one that bends, or a lens, is kept as a small correction of each camera's picture.
+
+References
+----------
+R. Hartley, A. Zisserman: Multiple view geometry in computer vision. Cambridge 2004.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from attrs import frozen
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+from mcsl_core.imaging.geometry import Array, project
+
+Projections = Mapping[str, Array]
+
+_FOCALS = (1.1, 1.9, 3.0)  # widths, where the calibration starts
+_BASELINE = 0.4  # of the distance to the field: how far a camera stands from the reference, for a start
+_OFF = 1.0 / 960  # of the width, where the calibration's loss grows slower
+_MOST_OFF = 4.0 / 960  # of the width, median: what fits no better is no rigid rig
+
+
+@frozen(eq=False)
+class LampView:
+    """Where the lamp stands, against where it stood when the perspective began.
+
+    Attributes
+    ----------
+    turn : (3,) array
+        Rotation vector of the scene before the reference camera, radians.
+    shift : (3,) array
+        Its translation after that, in distances from the reference camera to the field.
+    zoom : float
+        Natural logarithm of the focal lengths' common factor.
+    """
+
+    turn: Array
+    shift: Array
+    zoom: float
+
+    @classmethod
+    def of(cls, numbers: Array) -> LampView:
+        """Of the seven `numbers`."""
+        return cls(np.array(numbers[:3]), np.array(numbers[3:6]), float(numbers[6]))
+
+    @property
+    def numbers(self) -> Array:
+        """(7,)"""
+        return np.array([*self.turn, *self.shift, self.zoom])
+
+    @property
+    def motion(self) -> Array:
+        """(4, 4): of the scene, before the reference camera."""
+        found = np.eye(4)
+        found[:3, :3] = Rotation.from_rotvec(self.turn).as_matrix()
+        found[:3, 3] = self.shift
+        return found
+
+
+AT_REST = LampView(np.zeros(3), np.zeros(3), 0.0)
+
+
+@frozen(eq=False)
+class Lamp:
+    """A calibrated rig.
+
+    Attributes
+    ----------
+    sizes : mapping of str to (int, int)
+        Every camera's full width and height.
+    focal : mapping of str to float
+        Focal lengths in pixels, where the perspective began.
+    mounts : mapping of str to (3, 4) array
+        Rotation and translation of each camera in the reference camera's frame.
+    to_metric : (4, 4) array
+        Programme pixel and gamma, (x, y, 1, gamma), to a point before the reference camera where the perspective began,
+        homogeneous; lengths in distances to the field.
+    """
+
+    sizes: Mapping[str, tuple[int, int]]
+    focal: Mapping[str, float]
+    mounts: Mapping[str, Array]
+    to_metric: Array
+
+    def projection(self, camera: str, view: LampView) -> Array:
+        """(3, 4): programme pixel and gamma -> the camera's pixel, while the lamp stands so."""
+        focal = self.focal[camera] * np.exp(view.zoom)
+        found = _intrinsics(focal, self.sizes[camera]) @ self.mounts[camera] @ view.motion @ self.to_metric
+        return found / found[2, 2]
+
+    def motion(self, view: LampView, since: LampView) -> Array:
+        """(4, 4): of programme pixels and gamma, that the lamp's way from ``since`` to ``view`` makes of the scene."""
+        back = np.linalg.inv(self.to_metric)
+        return back @ np.linalg.inv(since.motion) @ view.motion @ self.to_metric
+
+
+def calibrate(
+    poses: Sequence[Projections], points: Array, reference: str, sizes: Mapping[str, tuple[int, int]]
+) -> tuple[Lamp, list[LampView]] | None:
+    """The rig of a perspective, and where it stands in each of its poses.
+
+    Parameters
+    ----------
+    poses : sequence of mapping of str to (3, 4) array
+        Camera -> its projection over programme pixels; the first is where the perspective began.
+    points : (N, 3) array
+        Scene points, programme pixel and gamma, spread over what is seen.
+    reference : str
+        The camera whose picture the programme's pixels are, in the first pose.
+    sizes : mapping of str to (int, int)
+        Every camera's full width and height.
+
+    Returns
+    -------
+    (Lamp, list of LampView) or None
+        None where no rigid rig explains the projections, or fewer than two cameras have one.
+    """
+    cameras = sorted(set().union(*poses) - {reference})
+    if reference not in poses[0] or not cameras:
+        return None
+    problem = _Calibration(poses, points, reference, cameras, sizes)
+    best = min((problem.solved(focal, sign) for focal in _FOCALS for sign in (1, -1)), key=lambda found: found[0])
+    cost, numbers = best
+    if not np.isfinite(cost) or np.median(problem.distances(numbers)) > _MOST_OFF:
+        return None
+    return problem.lamp(numbers), problem.views(numbers)
+
+
+class _Calibration:
+    """The least-squares problem: its numbers are the log of the reference's focal length in widths, the plane at
+    infinity (2), gamma's scale, seven a camera (log focal, rotation, translation), seven a later pose.
+    """
+
+    def __init__(
+        self,
+        poses: Sequence[Projections],
+        points: Array,
+        reference: str,
+        cameras: Sequence[str],
+        sizes: Mapping[str, tuple[int, int]],
+    ) -> None:
+        self._poses, self._points, self._sizes = poses, points, sizes
+        self._reference, self._cameras = reference, cameras
+        self._scene = np.column_stack([points[:, :2], np.ones(len(points)), points[:, 2]])
+        self._seen = [{name: project(p, points) for name, p in pose.items()} for pose in poses]
+
+    def solved(self, focal: float, sign: int) -> tuple[float, Array]:
+        """(cost, numbers), from a focal length in widths and the way gamma rises."""
+        head = np.array([np.log(focal), 0.0, 0.0, sign * 1.0])
+        rest = np.zeros(7 * (len(self._cameras) + len(self._poses) - 1))
+        start = np.concatenate([head, rest])
+        lamp = self.lamp(start)
+        for index, name in enumerate(self._cameras):
+            seen = next(pose[name] for pose in self._poses if name in pose)
+            at = _intrinsics(focal * self._sizes[name][0], self._sizes[name])
+            mount = np.linalg.inv(at) @ seen @ np.linalg.inv(lamp.to_metric)
+            u, s, vt = np.linalg.svd(mount[:, :3])
+            turn = u @ vt
+            turn, scale = (turn, s.mean()) if np.linalg.det(turn) > 0 else (-turn, -s.mean())
+            own = slice(4 + 7 * index, 11 + 7 * index)
+            start[own] = [np.log(focal), *Rotation.from_matrix(turn).as_rotvec(), *(mount[:, 3] / scale)]
+        try:
+            found = least_squares(self._off, start, loss="soft_l1", f_scale=_OFF, x_scale="jac", max_nfev=60)
+        except (ValueError, np.linalg.LinAlgError):
+            return float("inf"), start
+        return float(found.cost), found.x
+
+    def distances(self, numbers: Array) -> Array:
+        """(N,): by which the rig misses the projections, in widths."""
+        return np.hypot(*self._off(numbers).reshape(-1, 2).T)
+
+    def _off(self, numbers: Array) -> Array:
+        lamp, parts = self.lamp(numbers), []
+        for view, seen in zip(self.views(numbers), self._seen, strict=True):
+            for name, at in seen.items():
+                if view is not AT_REST or name != self._reference:
+                    parts.append((project(lamp.projection(name, view), self._points) - at) / self._sizes[name][0])
+        return np.nan_to_num(np.concatenate(parts), nan=1e3, posinf=1e3, neginf=-1e3).ravel()
+
+    def lamp(self, numbers: Array) -> Lamp:
+        """The rig of these numbers."""
+        width, height = size = self._sizes[self._reference]
+        focal = float(np.exp(numbers[0])) * width
+        to_metric = np.zeros((4, 4))
+        to_metric[:3, :3] = np.linalg.inv(_intrinsics(focal, size))
+        a, b = numbers[1:3] / width
+        x, y = (width - 1) / 2, (height - 1) / 2
+        to_metric[3] = [a, b, 1 - a * x - b * y, numbers[3] / (_BASELINE * focal)]
+        focals, mounts = {self._reference: focal}, {self._reference: np.eye(3, 4)}
+        for index, name in enumerate(self._cameras):
+            own = numbers[4 + 7 * index : 11 + 7 * index]
+            focals[name] = float(np.exp(own[0])) * self._sizes[name][0]
+            mounts[name] = np.column_stack([Rotation.from_rotvec(own[1:4]).as_matrix(), own[4:7]])
+        return Lamp(self._sizes, focals, mounts, to_metric)
+
+    def views(self, numbers: Array) -> list[LampView]:
+        """Where it stands in each pose."""
+        rest = numbers[4 + 7 * len(self._cameras) :].reshape(-1, 7)
+        return [AT_REST, *(LampView.of(own) for own in rest)]
+
+
+def _intrinsics(focal: float, size: tuple[int, int]) -> Array:
+    return np.array([[focal, 0, (size[0] - 1) / 2], [0, focal, (size[1] - 1) / 2], [0, 0, 1]])
