@@ -100,24 +100,22 @@ def _analysed(
     cache = StageCache(cache_folder(out) if settings.cache else None, progress)
     footage = _on_one_clock(cameras, reference.name, out.parent, rate, settings, cache, progress)
     footage = _with_gaps(footage, cache.remember(DAMAGE, damage_key(cameras), damage_of, footage, progress), progress)
-    cameras, frames = footage.cameras, footage.frames
     drawn = _kept_decisions(place.before, reference, footage, progress)
-    sizes = {camera.name: camera.size for camera in cameras}
+    cameras, frames, sizes = footage.cameras, footage.frames, {camera.name: camera.size for camera in footage.cameras}
     gaze = _read_gaze(settings.gaze, Shown(float(rate), frames, reference.size, sizes), progress)
     keys = stage_keys(cameras, reference.name, rate, frames, settings, chosen, drawn)
-    watch = Watch(float(frames / rate), progress.note)
-    by = {stage: attrs.evolve(offer, watch=watch).checked for stage, offer in chosen.items()}
+    by = _by(chosen, Watch(float(frames / rate), progress.note))
     with ExitStack() as opened:
         samples = Deferred(opened.enter_context, _samples(footage, cache, keys.samples, settings.sample_s, progress))
         met = cache.remember(DAMAGE_MET, keys.samples, damage_met, footage, samples, progress)
         footage = _with_gaps(footage, met, progress)
         detection = cache.remember(MOVEMENTS, keys.movements, by["movement"].detect, samples, footage, progress)
-        movements = detection.movements
         solver = PoseSolver(sizes, reference.name, by["matcher"], by["aligner"], settings.solve, by["relief"])
+        movements = detection.movements
         solved = cache.remember(POSES, keys.poses, solve_poses, solver, samples, movements, frames, progress, drawn)
         if settings.movement_view == "follow":
-            follow = (samples, solved, movements, footage, reference.name, progress)
-            movements = cache.remember(FOLLOWED, keys.followed, follow_movements, *follow)
+            follow = partial(follow_movements, reference=reference.name)
+            movements = cache.remember(FOLLOWED, keys.followed, follow, samples, solved, movements, footage, progress)
         colours = cache.remember(COLOURS, keys.colours, follow_drift, samples, solved, footage, movements, progress)
         segments = Deferred(scoring_segments, samples, solved, movements, by["occlusion"])
         table = cache.remember(SCORES, keys.scores, score_views, samples, solved, segments, movements, progress)
@@ -149,6 +147,11 @@ def _analysed(
         Measurements(table, detection.curve).save(place.scores)
         edl.save(made, out)
     return made
+
+
+def _by(chosen: Mapping[str, Offer], watch: Watch) -> dict[str, Any]:
+    """Stage -> who does it, behind checks."""
+    return {stage: attrs.evolve(offer, watch=watch).checked for stage, offer in chosen.items()}
 
 
 def _kept_decisions(

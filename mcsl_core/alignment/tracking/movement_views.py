@@ -54,8 +54,9 @@ def follow_movements(
     solved: Sequence[SolvedPose],
     movements: Sequence[Movement],
     footage: Footage,
-    reference: str,
     progress: Progress,
+    *,
+    reference: str,
 ) -> tuple[Movement, ...]:
     """The movements, with how the cameras lie in them where both poses beside have reliefs and one perspective.
 
@@ -69,10 +70,10 @@ def follow_movements(
         In order.
     footage : Footage
         Whose frames in movements are decoded.
-    reference : str
-        The reference camera.
     progress : Progress
         Told of every movement, and of those in which the lamp is lost.
+    reference : str
+        The reference camera.
     """
     progress.stage("Following the lamp", len(movements), "movements")
     made: list[Movement] = []
