@@ -93,15 +93,14 @@ def _analysed(
     chosen: Mapping[str, Offer],
     progress: Progress,
 ) -> edl.Edl:
-    out = place.path
-    cameras = open_cameras(recording, out.parent, progress)
+    cameras = open_cameras(recording, place.path.parent, progress)
     reference = choose_reference(cameras, settings.reference)
     rate = settings.rate or reference.rate
-    cache = StageCache(cache_folder(out) if settings.cache else None, progress)
-    footage = _on_one_clock(cameras, reference.name, out.parent, rate, settings, cache, progress)
+    cache = StageCache(cache_folder(place.path) if settings.cache else None, progress)
+    footage = _on_one_clock(cameras, reference.name, place.path.parent, rate, settings, cache, progress)
     footage = _with_gaps(footage, cache.remember(DAMAGE, damage_key(cameras), damage_of, footage, progress), progress)
-    drawn = _kept_decisions(place.before, reference, footage, progress)
     cameras, frames, sizes = footage.cameras, footage.frames, {camera.name: camera.size for camera in footage.cameras}
+    drawn = _kept_decisions(place.before, reference, footage, progress)
     gaze = _read_gaze(settings.gaze, Shown(float(rate), frames, reference.size, sizes), progress)
     keys = stage_keys(cameras, reference.name, rate, frames, settings, chosen, drawn)
     by = _by(chosen, Watch(float(frames / rate), progress.note))
@@ -124,8 +123,8 @@ def _analysed(
         table = without_gaps(with_merits(table, [s.pose.range for s in solved], merits), footage.cameras, frames)
         shots = by["selector"].select(table, frames=frames, rate=rate)
         least_s = by["selector"].min_shot_s
-        refine = partial(refine_switches, min_shot_s=least_s)
-        cuts = cache.remember(CUTS, keys.cuts(shots, least_s), refine, shots, footage, segments, movements, progress)
+        cut = CUTS, keys.cuts(shots, least_s), partial(refine_switches, min_shot_s=least_s)
+        cuts = cache.remember(*cut, shots, footage, segments, movements, progress)
     fields = field_stretches(solved, drawn)
     made = edl.Edl(
         rate=rate,
@@ -145,7 +144,7 @@ def _analysed(
         positions = _gazed_at(gaze, made, progress) if gaze else field_positions(solved, made.size)
         made = attrs.evolve(made, centering=by["centerer"].centre(positions, size=made.size, rate=float(rate)))
         Measurements(table, detection.curve).save(place.scores)
-        edl.save(made, out)
+        edl.save(made, place.path)
     return made
 
 
