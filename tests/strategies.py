@@ -100,6 +100,7 @@ def overrides(frames: int, cameras: Sequence[str]) -> SearchStrategy[Override]:
         fill=maybe,
         colour=maybe,
         surface=maybe,
+        see_through=maybe,
         offset=st.none() | st.tuples(numbers(-500, 500), numbers(-500, 500)),
         note=texts,
     )

@@ -29,8 +29,8 @@ from .field import FoundDrawing, take_drawing
 from .strip_plan import automatic_cameras
 from .times import FoundFilm, FoundShot, SceneTime, check_times
 
-FIELDS = ("camera", "centering", "fill", "colour", "surface", "offset")
-READ = ("camera", "centering", "fill", "colour", "surface", "offset")  # what a Programme strip can say
+FIELDS = ("camera", "centering", "fill", "colour", "surface", "see_through", "offset")
+READ = ("camera", "centering", "fill", "colour", "surface", "see_through", "offset")  # what a Programme strip can say
 AUTOMATIC = "automatic"  # said of a centre: no longer by hand
 
 
@@ -44,7 +44,7 @@ class FoundStrip:
         The programme frames [start, stop) that it covers; they may reach outside the programme.
     source
         The channel it shows.
-    centering, fill, colour, surface
+    centering, fill, colour, surface, see_through
         The editor's switch on this strip; None says nothing.
     offset
         The centre by hand, (dx, dy) in programme pixels, y down; AUTOMATIC takes one back, None says nothing.
@@ -62,6 +62,7 @@ class FoundStrip:
     fill: bool | None = None
     colour: bool | None = None
     surface: bool | None = None
+    see_through: bool | None = None
     offset: tuple[float, float] | Literal["automatic"] | None = None
     id: str = ""
 
@@ -77,7 +78,7 @@ class SequencerState:
     automatic
         The automatic choice that the timeline was built from; None where it is not known: then the EDL's holds.
     look
-        What was switched for the whole programme: centering, fill, colour or surface, and to what.
+        What was switched for the whole programme: centering, fill, colour, surface or seeing through, and to what.
     drawing
         The surgical field drawn by hand since the EDL was written; None where nothing was.
     notes

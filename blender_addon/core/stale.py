@@ -23,7 +23,7 @@ from attrs import frozen
 
 from mcsl_core.documents import canonical_json
 from mcsl_core.edl import Edl
-from mcsl_core.edl.dependencies import View, relief_of, views_of
+from mcsl_core.edl.dependencies import View, relief_of, sees_through, views_of
 from mcsl_core.edl.resolve import Decision, resolve_by_pose
 from mcsl_core.timing import FrameRange, merge_equal
 
@@ -41,7 +41,8 @@ def basis_of(edl: Edl) -> Basis:
         centre: Any = centering if decision.centering else None
         if decision.centering and decision.offset is not None:
             centre = list(decision.offset)
-        key = (number, decision.camera, decision.fill, decision.colour)
+        through = sees_through(edl.poses[number], decision)
+        key = (number, decision.camera, decision.fill, decision.colour, through)
         if key not in views:
             views[key] = _digest([_source(view) for view in views_of(edl, edl.poses[number], decision)])
         facts = [common, decision.camera, centre, decision.fill, decision.colour, views[key]]
@@ -50,6 +51,7 @@ def basis_of(edl: Edl) -> Basis:
             known = relief_of(edl, edl.poses[number], surface=decision.surface)
             reliefs[relief] = "" if known is None else _digest(known)
         facts += [reliefs[relief]] if reliefs[relief] else []  # a pose without is as before there were any
+        facts += ["see through"] if through else []
         for part, eases in _eased(span, decision):  # a centre by hand glides in and out; between, it stands
             pieces.append((part, _digest([*facts, centering, eases] if eases else facts)))
     return tuple(merge_equal(pieces))

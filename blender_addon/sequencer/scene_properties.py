@@ -46,6 +46,7 @@ LOOK_FOR_ALL = {  # a part of the look that was switched for the whole programme
     "fill": "mcsl_look_fill",
     "colour": "mcsl_look_colour",
     "surface": "mcsl_look_surface",
+    "see_through": "mcsl_look_see_through",
 }
 
 # Of a strip.
@@ -58,6 +59,7 @@ LOOK_OF_SHOT = {  # Programme strip: a part of the look that was switched for th
     "fill": "mcsl_fill",
     "colour": "mcsl_colour",
     "surface": "mcsl_surface",
+    "see_through": "mcsl_see_through",
 }
 CENTRE = "mcsl_offset"  # Programme strip: the centre by hand, [dx, dy] in programme pixels, or "automatic"
 FALLEN = "mcsl_fallen"  # conformed strip: muted by us, as one of the two below; what the editor mutes has none

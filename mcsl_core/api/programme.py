@@ -144,7 +144,7 @@ class Programme(Fields):
             First frame, and the first one after it.
         camera : str, optional
             The camera shown.
-        centering, fill, colour, surface : bool, optional
+        centering, fill, colour, surface, see_through : bool, optional
             The visual aids, on or off.
         offset : (float, float), optional
             Centering by hand, in programme pixels, right and down.

@@ -40,6 +40,7 @@ class Aids(TypedDict, total=False):
     fill: bool | None
     colour: bool | None
     surface: bool | None
+    see_through: bool | None
 
 
 class Views:

@@ -15,6 +15,7 @@ import attrs
 from attrs import frozen
 
 from mcsl_core.edl import Edl, Look
+from mcsl_core.edl.dependencies import sees_through
 from mcsl_core.edl.resolve import Decision, resolve_by_pose, shift_at
 from mcsl_core.errors import DocumentError
 from mcsl_core.filling.footprint import FootprintFiller
@@ -28,6 +29,8 @@ from .camera_warper import CameraWarper
 from .frame_context import FrameContext
 from .parallax import Parallax
 from .picture_source import PictureSource
+from .read_ahead import ReadAhead
+from .see_through import SeeThrough
 from .stand_ins import StandIns
 
 BLOCK_S = 10  # conformed chunks, and what a filler that remembers begins anew, lie on one grid
@@ -83,7 +86,13 @@ class Compositor:
         self._segments = tuple(
             (part, _with_look(decision, look), pose_index) for part, decision, pose_index in resolve_by_pose(edl)
         )
-        self._warper = CameraWarper(edl, pictures, resampling, parallax)
+        self._see_through: SeeThrough | None = None
+        if any(sees_through(edl.poses[pose_index], decision) for _, decision, pose_index in self._segments):
+            parallax, pictures = parallax or Parallax(edl, pictures), ReadAhead(pictures)
+            self._warper = CameraWarper(edl, pictures, resampling, parallax)
+            self._see_through = SeeThrough(self._warper, pictures)
+        else:
+            self._warper = CameraWarper(edl, pictures, resampling, parallax)
         self.stand_ins = StandIns()
 
     def __enter__(self) -> Compositor:
@@ -95,6 +104,8 @@ class Compositor:
     def close(self) -> None:
         """Close the decoders and let go of what was kept; frames handed out stay valid."""
         self._warper.close()
+        if self._see_through is not None:
+            self._see_through.forget()
 
     def picture(self, camera: str, frame: int) -> Planes | None:
         """The camera's own picture at programme frame ``frame``, decoded once; None where it has none."""
@@ -145,7 +156,15 @@ class Compositor:
         context = FrameContext(
             self._warper, frame, camera, pose_index, offset, decision.colour, decision.surface, steady, previous
         )
-        if decision.fill and self._warper.is_placed(laid_by, camera):
+        planes = self._filled(context, fill=decision.fill and self._warper.is_placed(laid_by, camera))
+        if self._see_through is None or not sees_through(edl.poses[pose_index], decision):
+            return planes
+        if not isinstance(self.filler, ShowProvenance):
+            return self._see_through.through(context, context, planes)
+        return self.filler.with_legend(self._see_through.through(context, self.filler.tinted(context), planes))
+
+    def _filled(self, context: FrameContext, *, fill: bool) -> Planes:
+        if fill:
             return self.filler.fill(context)
         return self.filler.unfilled(context) if isinstance(self.filler, ShowProvenance) else context.front
 

@@ -37,6 +37,7 @@ from mcsl_core.edl.dependencies import (
     offsets_over,
     poses_filled_from,
     relief_of,
+    sees_through,
     views_of,
 )
 from mcsl_core.edl.placement import still_range
@@ -44,6 +45,7 @@ from mcsl_core.edl.resolve import Decision, resolve_by_pose, shift_at
 from mcsl_core.errors import MediaError
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.protocol import Filler
+from mcsl_core.filling.see_through import VERSION
 from mcsl_core.lru_cache import kept
 from mcsl_core.media.fingerprint import FORMER, fingerprint
 from mcsl_core.media.probing import conversions_of
@@ -199,8 +201,16 @@ class _Facts:
                 "placed": {view.camera.name: view.placement for view in views},
                 "colour": colours if decision.colour else None,
                 **({"relief": relief} if relief else {}),
+                **self._seen_through(pose_index, decision),
             }
         )
+
+    def _seen_through(self, pose_index: int, decision: Decision) -> dict[str, Any]:
+        """Nothing where the chosen camera is shown as it is, as all were before: those chunks keep their names."""
+        if not sees_through(self.edl.poses[pose_index], decision):
+            return {}
+        seen = fill_views(self.edl, pose_index)  # it takes medians of any frames of the pose, without their drift
+        return {"see_through": [VERSION, seen.still.start, seen.still.stop, drifting(seen.views)]}
 
     @kept
     def _filled(self, pose_index: int, offsets: tuple[Offset, ...], surface: bool) -> str:

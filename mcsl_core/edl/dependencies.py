@@ -58,14 +58,15 @@ def views_of(edl: Edl, pose: Pose, decision: Decision) -> tuple[View, ...]:
     """The cameras that may be looked at under ``decision``, in the EDL's order.
 
     They are the shot's, the reference, which stands in where the shot's has no picture, any other where that has none
-    either, and for the fill all that it can lay somewhere.
+    either, and for the fill and for seeing through all that can be laid somewhere.
     """
     first = decision.camera, edl.reference
     any_other = all(_may_lack_pictures(edl, name) for name in first)
+    laid = decision.fill or sees_through(pose, decision)
     found = []
     for camera in edl.cameras:
         placement = placement_matrix(edl, pose, camera.name)
-        if camera.name in first or any_other or (decision.fill and placement is not None):
+        if camera.name in first or any_other or (laid and placement is not None):
             found.append(_view(pose, camera, placement, coloured=decision.colour))
     return tuple(found)
 
@@ -82,6 +83,11 @@ def relief_of(edl: Edl, pose: Pose, *, surface: bool) -> list[Any] | None:
     corrections = {camera.name: correction_of(edl, pose, camera.name) for camera in edl.cameras}
     by_hand = {name: matrix for name, matrix in corrections.items() if matrix is not None}
     return [pose.relief.projections, pose.relief.gamma, pose.relief.confidence, by_hand]
+
+
+def sees_through(pose: Pose, decision: Decision) -> bool:
+    """Whether other cameras show what heads hide from the chosen one: that takes a relief to lay them by."""
+    return decision.see_through and decision.surface and pose.relief is not None
 
 
 def _may_lack_pictures(edl: Edl, name: str) -> bool:

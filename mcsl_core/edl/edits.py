@@ -167,6 +167,7 @@ def change_look(
     fill: bool | None = None,
     colour: bool | None = None,
     surface: bool | None = None,
+    see_through: bool | None = None,
     offset: tuple[float, float] | None = None,
     piece: FrameRange | None = None,
 ) -> Edl:
@@ -176,14 +177,14 @@ def change_look(
     ----------
     edl
         The document.
-    centering, fill, colour, surface
+    centering, fill, colour, surface, see_through
         On or off; as it was without.
     offset
         Centering by hand, (dx, dy) in programme pixels: an override, also over the whole programme.
     piece
         Where it holds, as an override; without, the whole programme's look is switched and overrides stay.
     """
-    given = {"centering": centering, "fill": fill, "colour": colour, "surface": surface}
+    given = {"centering": centering, "fill": fill, "colour": colour, "surface": surface, "see_through": see_through}
     aids = {name: value for name, value in given.items() if value is not None}
     if not aids and offset is None:
         return edl

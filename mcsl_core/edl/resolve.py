@@ -21,7 +21,7 @@ from .schema import CenteringKey, Edl
 # No more than this may the centering's speed change from one frame to the next, as a share of the picture's width: 0.77
 # pixels a frame at 1920. A shift of a tenth of the width then takes five seconds at 25 frames/s as keys, two by hand.
 ACCELERATION = 4e-4
-_DECIDED = ("camera", "centering", "fill", "colour", "surface", "offset")
+_DECIDED = ("camera", "centering", "fill", "colour", "surface", "see_through", "offset")
 EASE_S = 2.0  # a change of the centering takes at least this long
 
 Centering = tuple[bool, tuple[float, float] | None]  # on or off, and the offset by hand
@@ -54,7 +54,7 @@ class Decision:
     ----------
     camera
         Whose picture.
-    centering, fill, colour, surface
+    centering, fill, colour, surface, see_through
         The look.
     overridden
         Whether an override says any of it.
@@ -72,6 +72,7 @@ class Decision:
     overridden: bool
     offset: tuple[float, float] | None = None
     eases: tuple[Ease, ...] = ()
+    see_through: bool = False
 
 
 def resolve(edl: Edl) -> tuple[tuple[FrameRange, Decision], ...]:
@@ -113,6 +114,7 @@ def resolve(edl: Edl) -> tuple[tuple[FrameRange, Decision], ...]:
             "fill": edl.look.fill,
             "colour": edl.look.colour,
             "surface": edl.look.surface,
+            "see_through": edl.look.see_through,
         }
         for name, heap in saying.items():
             while heap and edl.overrides[-heap[0]].range.stop <= start:

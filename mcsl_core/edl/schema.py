@@ -190,9 +190,10 @@ class Override:
     )
     note: str = field(default="", metadata=doc("the editor's remark", optional=True))
     surface: bool | None = field(default=None, metadata=doc("alignment by the relief on or off", optional=True))
+    see_through: bool | None = field(default=None, metadata=doc("seeing through heads on or off", optional=True))
 
     def __attrs_post_init__(self) -> None:
-        for name in ("centering", "fill", "colour", "surface"):
+        for name in ("centering", "fill", "colour", "surface", "see_through"):
             value = getattr(self, name)
             require(value is None or isinstance(value, bool), f"expected true or false, got {value!r}", f".{name}")
 
@@ -218,6 +219,12 @@ class Look:
     fill: bool = field(default=True, metadata=doc("fill pixels the warp leaves empty from other cameras"))
     colour: bool = field(default=True, metadata=doc("match each camera's colours to the reference camera"))
     surface: bool = field(default=True, metadata=doc("align by the pose's relief, where it has one"))
+    see_through: bool = field(
+        default=False,
+        metadata=doc(
+            "show what another camera sees under heads and arms, where pictures lie by a relief", optional=True
+        ),
+    )
 
 
 @frozen

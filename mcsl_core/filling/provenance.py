@@ -39,13 +39,18 @@ class ShowProvenance:
 
     def fill(self, context: FillContext) -> Planes:
         """Fill one programme frame, tinted, with the legend; see `Filler`."""
-        return self._with_legend(self.filler.fill(_TintedContext(context, self.cameras)))
+        return self.with_legend(self.filler.fill(self.tinted(context)))
 
     def unfilled(self, context: FillContext) -> Planes:
         """The chosen camera's picture alone, tinted, with the legend: of a frame that is not filled."""
-        return self._with_legend(_TintedContext(context, self.cameras).front)
+        return self.with_legend(self.tinted(context).front)
 
-    def _with_legend(self, planes: Planes) -> Planes:
+    def tinted(self, context: FillContext) -> FillContext:
+        """The same frame, each camera's pictures tinted."""
+        return _TintedContext(context, self.cameras)
+
+    def with_legend(self, planes: Planes) -> Planes:
+        """A finished frame with the legend over it."""
         if self._legend is None:
             self._legend = _legend(self.cameras, planes.size)
         out = Planes(*(plane.copy() for plane in planes))

@@ -352,10 +352,10 @@ def _with_unit(value: float, unit: str, share: bool) -> str:
 
 def _override_words(override: Override) -> str:
     words = [override.camera] if override.camera else []
-    for name in ("centering", "fill", "colour", "surface"):
+    for name in ("centering", "fill", "colour", "surface", "see_through"):
         value = getattr(override, name)
         if value is not None:
-            words.append(f"{name} {'on' if value else 'off'}")
+            words.append(f"{name.replace('_', ' ')} {'on' if value else 'off'}")
     return ", ".join(words) + (f" ({override.note})" if override.note else "")
 
 

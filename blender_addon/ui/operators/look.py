@@ -26,6 +26,7 @@ AIDS = [
     ("fill", "Fill", "Fill what the camera does not see from the other cameras"),
     ("colour", "Colour", "Match each camera's colours to the reference camera's"),
     ("surface", "Surface", "Align the cameras by the relief of the field, not by a plane"),
+    ("see_through", "See Through", "Show what another camera sees under heads and arms"),
 ]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Centering, fill, colour and surface, for all and for the shot at the playhead."""
+"""Centering, fill, colour, surface and seeing through, for all and for the shot at the playhead."""
 
 from __future__ import annotations
 

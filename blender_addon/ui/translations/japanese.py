@@ -20,6 +20,7 @@ JAPANESE: dict[str, str] = {
     "Fill": "フィル",
     "Colour": "色合わせ",
     "Surface": "起伏合わせ",
+    "See Through": "透視",
     "All": "全体",
     "Shot": "ショット",
     "On": "オン",
@@ -156,6 +157,7 @@ JAPANESE: dict[str, str] = {
     "Fill what the camera does not see from the other cameras": "カメラに写らない所を、ほかのカメラの映像で埋めます",
     "Match each camera's colours to the reference camera's": "各カメラの色を基準カメラに合わせます",
     "Align the cameras by the relief of the field, not by a plane": "平面ではなく術野の起伏に沿ってカメラを合わせます",
+    "Show what another camera sees under heads and arms": "頭や腕に隠れた術野を、別のカメラの映像で表示します",
     "for the whole programme": "本編全体",
     "for the shot at the playhead": "再生ヘッドのショット",
     "Click the middle of the field in the preview: the shot at the playhead is centred on it": (

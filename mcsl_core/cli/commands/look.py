@@ -19,7 +19,7 @@ from mcsl_core.errors import Fault, UsageError
 from mcsl_core.outputs.locks import changing
 from mcsl_core.timing import format_time
 
-AIDS = ("centering", "fill", "colour", "surface")
+AIDS = ("centering", "fill", "colour", "surface", "see_through")
 
 
 def change_file(
@@ -66,9 +66,9 @@ def values(edl: Edl) -> dict[str, Any]:
 
 def describe(edl: Edl) -> str:
     """How the aids stand, for people."""
-    lines = [", ".join(f"{name} {_word(getattr(edl.look, name))}" for name in AIDS)]
+    lines = [", ".join(f"{_named(name)} {_word(getattr(edl.look, name))}" for name in AIDS)]
     for override in edl.overrides:
-        parts = [f"{name} {_word(getattr(override, name))}" for name in AIDS if _given(override, name)]
+        parts = [f"{_named(name)} {_word(getattr(override, name))}" for name in AIDS if _given(override, name)]
         if override.offset is not None:
             parts.append("centred by hand, {:g},{:g} px".format(*override.offset))
         if parts:
@@ -81,6 +81,10 @@ def _given(override: Override, name: str) -> bool:
     return getattr(override, name) is not None
 
 
+def _named(aid: str) -> str:
+    return aid.replace("_", " ")
+
+
 def _word(on: bool) -> str:
     return "on" if on else "off"
 
@@ -91,6 +95,7 @@ def _word(on: bool) -> str:
 @click.option("--fill/--no-fill", default=None, help="Fill what the chosen camera does not see.")
 @click.option("--colour/--no-colour", default=None, help="Match the cameras' colours.")
 @click.option("--surface/--no-surface", default=None, help="Align by the relief, where one was found.")
+@click.option("--see-through/--no-see-through", default=None, help="Show the field under heads and arms.")
 @click.option("--centre", metavar="DX,DY", help="Shift by this much in programme pixels, in place of the automatic.")
 @click.option("--from", "start", metavar="TIME", help="Only from here on: 1:02:03.5 or seconds.")
 @click.option("--to", "stop", metavar="TIME", help="Only up to here.")

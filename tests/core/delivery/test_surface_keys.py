@@ -49,3 +49,17 @@ def test_where_surface_is_off_or_there_is_no_relief_nothing_changes(base, fill):
     assert keys(switched, base) == expected
     one_stretch = make(look=on, overrides=(Override(FrameRange(3, 9), surface=False),))
     assert keys(one_stretch, base) == expected
+
+
+@pytest.mark.parametrize("fill", [False, True])
+def test_seeing_through_changes_chunks_where_pictures_lie_by_a_relief_and_only_there(base, fill):
+    on = attrs.evolve(make().look, fill=fill, see_through=True)
+    off = attrs.evolve(on, see_through=False)
+    plain = make(look=off)
+    assert keys(make(look=on), base) == keys(plain, base), "no relief"
+    by_planes = attrs.evolve(on, surface=False)
+    assert keys(with_relief(make(look=by_planes)), base) == keys(plain, base)
+    seen = keys(with_relief(make(look=on)), base)
+    assert all(a != b for a, b in zip(seen, keys(with_relief(plain), base), strict=True))
+    override = Override(FrameRange(0, FRAMES), see_through=True)
+    assert keys(attrs.evolve(with_relief(plain), overrides=(override,)), base) == seen, "whoever decided it"

@@ -208,10 +208,12 @@ def test_a_missing_file_is_named(tmp_path):
 def decide_frame_by_frame(edl: Edl) -> list[tuple]:
     """The oracle: paints the overrides over the automatic decisions, one after another, frame by frame."""
     camera = [next(s.camera for s in edl.shots if s.range.start <= f < s.range.stop) for f in range(edl.frames)]
-    rows = [[c, edl.look.centering, edl.look.fill, edl.look.colour, edl.look.surface, False, None] for c in camera]
+    look = edl.look
+    rows = [[c, look.centering, look.fill, look.colour, look.surface, False, None, look.see_through] for c in camera]
     for o in edl.overrides:
         for f in range(o.range.start, o.range.stop):
-            for column, value in [*enumerate([o.camera, o.centering, o.fill, o.colour, o.surface]), (6, o.offset)]:
+            said = [o.camera, o.centering, o.fill, o.colour, o.surface, None, o.offset, o.see_through]
+            for column, value in enumerate(said):
                 if value is not None:
                     rows[f][column] = value
                     rows[f][5] = True
@@ -237,10 +239,11 @@ def test_an_override_put_last_always_wins(edl, data):
     start = data.draw(st.integers(0, edl.frames - 1))
     stop = data.draw(st.integers(start + 1, edl.frames))
     camera = data.draw(st.sampled_from([c.name for c in edl.cameras]))
-    look = {aid: data.draw(st.booleans()) for aid in ("centering", "fill", "colour", "surface")}
+    look = {aid: data.draw(st.booleans()) for aid in ("centering", "fill", "colour", "surface", "see_through")}
     last = Override(R(start, stop), camera=camera, **look, offset=(2.0, -1.0))
     decided = frame_by_frame(resolve(attrs.evolve(edl, overrides=(*edl.overrides, last))))
-    assert set(decided[start:stop]) == {(camera, *look.values(), True, (2.0, -1.0))}
+    *first, see_through = look.values()
+    assert set(decided[start:stop]) == {(camera, *first, True, (2.0, -1.0), see_through)}
     before = frame_by_frame(resolve(edl))
     assert decided[:start] == before[:start]
     assert decided[stop:] == before[stop:]
