@@ -22,7 +22,7 @@ from mcsl_core.hooks.registry import Plugins, discover
 from mcsl_core.hooks.stages import STAGES
 from mcsl_core.timing import FrameRange
 
-STAGE_NAMES = ("clocks", "samples", "movements", "poses", "colours", "merits", "scores", "closer", "cuts")
+STAGE_NAMES = ("clocks", "samples", "movements", "poses", "colours", "merits", "followed", "scores", "closer", "cuts")
 SHOTS = (Shot(FrameRange(0, 50), "a"), Shot(FrameRange(50, 90), "b"))
 
 
@@ -93,6 +93,7 @@ def test_a_copy_has_the_same_keys(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
         ("movement/displacement.py", "movements"),
         ("alignment/features.py", "poses"),
         ("alignment/anchoring.py", "poses"),
+        ("alignment/tracking/following.py", "followed"),
         ("occlusion/consensus.py", "scores"),
         ("selection/switch_refinement.py", "cuts"),
     ],
@@ -130,6 +131,7 @@ def test_words_and_layout_are_no_code(tree: Path) -> None:
         ({"sample_s": 2.0}, "samples"),
         ({"stages": {"movement": "paper"}}, "movements"),
         ({"solve": SolveSettings(scene_width=200)}, "poses"),
+        ({"movement_view": "hold"}, "scores"),
         ({"stages": {"occlusion": "hue-area"}}, "scores"),
         ({"stages": {"selector": "least-occluded"}}, None),
         ({"shots": SHOTS[:1]}, "cuts"),
