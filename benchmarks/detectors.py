@@ -33,7 +33,7 @@ from benchmarks.painter import Painter
 from benchmarks.small_network import write_network
 from mcsl_core.alignment.observations import SolvedPose
 from mcsl_core.alignment.pose_solver import PoseSolver
-from mcsl_core.alignment.poses import pose_ranges
+from mcsl_core.alignment.recorded_poses import pose_ranges
 from mcsl_core.alignment.settings import SolveSettings
 from mcsl_core.analysis.cache import POSES
 from mcsl_core.edl import Clock, Movement

@@ -32,7 +32,8 @@ from benchmarks.relief_page import markdown
 from benchmarks.relief_stills import board_views, planar_recording, planar_views, suturing_views
 from mcsl_core import edl
 from mcsl_core.alignment.relief.cameras import solve_cameras, tracks_of
-from mcsl_core.alignment.relief.estimation import PoseRelief, estimate_relief
+from mcsl_core.alignment.relief.estimation import estimate_relief
+from mcsl_core.alignment.relief.pose_relief import PoseRelief
 from mcsl_core.alignment.relief.sweep import PlaneSweep
 from mcsl_core.analysis.pipeline import analyse
 from mcsl_core.analysis.settings import AnalysisSettings

@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from mcsl_core.imaging.geometry import Array, transform_points
+from mcsl_core.imaging.geometry import inverse, transform_points
 from mcsl_core.imaging.masks import Mask, central_ellipse, hue_mask, main_region
 
 from .aligned_views import AlignedPose, Picture
+from .dense_matching import pixels_of
 
 _AIM = 0.3  # of a picture's width: how fast a camera's aim falls off from its middle
 _BINS = 8  # a side of the colour cube of `modal_picture`
@@ -86,7 +87,7 @@ def field_in_camera(aligned: AlignedPose, camera: str, shape: tuple[int, int]) -
         The hull: hands and instruments cut holes into the field's colour, but what lies between is the field too.
     """
     outline = cv2.convexHull(np.argwhere(aligned.field)[:, ::-1].astype(np.float32)).reshape(-1, 2)
-    back: Array = np.asarray(np.linalg.inv(aligned.warp_of(camera, (shape[1], shape[0]))), np.float64)
+    back = inverse(aligned.warp_of(camera, (shape[1], shape[0])))
     mask = np.zeros(shape, np.uint8)
     cv2.fillConvexPoly(mask, np.round(transform_points(back, outline.astype(np.float64))).astype(np.int32), 1)
     return mask > 0
@@ -106,16 +107,30 @@ def shared_aim(aligned: AlignedPose) -> float:
         1 where all have the same in the middle of their pictures, less the farther that lies from some of them: of 24
         lamps 0.99 and 1.00, of cameras about a room 0.90.
     """
+    return float(aim_of(aligned).max())
+
+
+def aim_of(aligned: AlignedPose) -> NDArray[np.float64]:
+    """How much every place is what the cameras aim at.
+
+    Parameters
+    ----------
+    aligned : AlignedPose
+        How the cameras lie; its own field is not used.
+
+    Returns
+    -------
+    (H, W) array
+        1 in the middle of all pictures; the mean over the cameras.
+    """
     width, height = aligned.size
-    x, y = np.meshgrid(np.arange(0, width, 2), np.arange(0, height, 2))
-    places = np.stack([x.ravel(), y.ravel()], axis=1).astype(np.float64)
-    total = np.zeros(len(places))
+    total = np.zeros(width * height)
     for name in aligned.homographies:
         size = aligned.camera_sizes[name]
-        own = transform_points(np.asarray(np.linalg.inv(aligned.warp_of(name, size)), np.float64), places)
+        own = transform_points(inverse(aligned.warp_of(name, size)), pixels_of(aligned.size))
         off = np.hypot(own[:, 0] - size[0] / 2, own[:, 1] - size[1] / 2) / size[0]
         total += np.exp(-((off / _AIM) ** 2))
-    return float(total.max()) / max(len(aligned.homographies), 1)
+    return (total / max(len(aligned.homographies), 1)).reshape(height, width)
 
 
 def modal_picture(aligned: AlignedPose, samples: Iterable[Mapping[str, Picture | None]]) -> Picture:

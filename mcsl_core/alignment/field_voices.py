@@ -16,14 +16,12 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 from mcsl_core.imaging.convex import convex_region
-from mcsl_core.imaging.geometry import transform_points
 from mcsl_core.imaging.masks import Mask, close_gaps, convex_hull, hue_mask, main_region
 
 from .aligned_views import AlignedPose, Picture
-from .field import modal_picture
+from .field import aim_of, modal_picture
 
 Float = NDArray[np.float32]
-_REACH = 0.3  # of a picture's width: how fast a camera's aim falls off from its middle
 _FAR = 0.5  # of the highest aim: the colours below are not the field's
 _AIMED = 0.67  # of the highest aim: what lies below is not the field; simulated ones hold a hundredth of it there
 _MIDDLE, _BY_AIM = 0.75, 0.4  # of the highest aim: what lies above is rather the field, by that much log odds
@@ -92,20 +90,6 @@ class Evidence:
         return self.aim / max(float(self.aim.max()), 1e-6)
 
 
-def aim_of(aligned: AlignedPose) -> Float:
-    """How much every place is what the cameras aim at: 1 in the middle of all pictures, the mean over the cameras."""
-    width, height = aligned.size
-    x, y = np.meshgrid(np.arange(width), np.arange(height))
-    places = np.stack([x.ravel(), y.ravel()], axis=1).astype(np.float64)
-    total = np.zeros(width * height)
-    for name in aligned.homographies:
-        size = aligned.camera_sizes[name]
-        own = transform_points(np.asarray(np.linalg.inv(aligned.warp_of(name, size)), np.float64), places)
-        off = np.hypot(own[:, 0] - size[0] / 2, own[:, 1] - size[1] / 2) / size[0]
-        total += np.exp(-((off / _REACH) ** 2))
-    return (total / max(len(aligned.homographies), 1)).reshape(height, width).astype(np.float32)
-
-
 def gather(aligned: AlignedPose, samples: Sequence[Mapping[str, Picture | None]]) -> Evidence:
     """What is usually seen, and of every colour how much of it passes by.
 
@@ -138,7 +122,7 @@ def gather(aligned: AlignedPose, samples: Sequence[Mapping[str, Picture | None]]
             count += near
     mean = np.where(count[..., None] > 0, total / np.maximum(count, 1)[..., None], usual).astype(np.float32)
     passing, staying = _smooth(passing, 1.5), _smooth(staying, 1.5)
-    return Evidence(picture, mean, aim_of(aligned), passing / (passing + staying + 1e-9))
+    return Evidence(picture, mean, aim_of(aligned).astype(np.float32), passing / (passing + staying + 1e-9))
 
 
 def find_field(aligned: AlignedPose, samples: Sequence[Mapping[str, Picture | None]]) -> Mask:

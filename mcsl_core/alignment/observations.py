@@ -25,8 +25,8 @@ from .correspondences import Correspondences, pool
 from .field import field_of_camera
 from .protocol import Features, Matcher
 from .relief.cameras import ReliefCameras
-from .relief.estimation import PoseRelief
 from .relief.matching import Views
+from .relief.pose_relief import PoseRelief
 from .relief.rig import Rig
 from .settings import SolveSettings
 

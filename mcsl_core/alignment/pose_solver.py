@@ -119,7 +119,7 @@ class PoseSolver:
         else:
             field = known
         tied = self._together(first, by_points, cameras, field, views)
-        unseen = Rig.of(cameras).told()
+        unseen = Rig.of(cameras).transferred()
         alignment = self._confirmed(tied, {name: view for name, view in steady.items() if name not in unseen})
         _tell_of_weak(alignment, frames, progress)
         aligned = self._aligned(alignment, settings.scene_width)
@@ -181,18 +181,18 @@ class PoseSolver:
         """
         if relief is None:
             return first
-        told = relief.projections.keys()
+        known = relief.projections.keys()
         dense = field_pairs(relief, field if field.any() else central_ellipse(views.size), views)
         rest = {
             pair: matches
             for pair, matches in by_points.items()
-            if not told >= set(pair) and first.homographies.keys() >= set(pair)
+            if not known >= set(pair) and first.homographies.keys() >= set(pair)
         }
-        sizes = {name: self.sizes[name] for name in self.sizes if name in first.homographies or name in told}
+        sizes = {name: self.sizes[name] for name in self.sizes if name in first.homographies or name in known}
         final = self.aligner.align({**dense, **rest}, sizes, self.reference)
         if final.weak:
             return first
-        return attrs.evolve(final, weak=tuple(w for w in first.weak if w.camera not in told))
+        return attrs.evolve(final, weak=tuple(w for w in first.weak if w.camera not in known))
 
     def _confirmed(self, alignment: Alignment, steady: Mapping[str, SteadyView | None]) -> Alignment:
         """The alignment without the cameras that the pictures refute: they are weak."""

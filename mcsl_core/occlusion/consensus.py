@@ -26,6 +26,21 @@ Float = NDArray[np.float32]
 _UNCHANGED = 0.02  # gains nearer to 1 are left: what they would mend is below `tolerance`
 
 
+@frozen(eq=False)
+class _Shown:
+    """What the cameras show in the cut-out.
+
+    pictures: camera -> (n, h, w, 3). alike: the same in colours like the others'. gains: see `ConsensusScorer`. inside:
+    camera -> (h, w), what it covers. field: (h, w).
+    """
+
+    pictures: Mapping[str, Lab]
+    alike: Mapping[str, Sequence[Lab]]
+    gains: Mapping[str, Float]
+    inside: Mapping[str, Mask]
+    field: Mask
+
+
 @frozen
 class Consensus:
     """The share of the field's pixels that look as their background does.
@@ -81,40 +96,35 @@ class Consensus:
             even = [_lab(levelled(part, changed(level.gain(whole), _UNCHANGED))) for whole, part in own]
             pictures[name] = np.stack(even)
         inside = {name: cut.mask(mask) for name, mask in inside.items()}
-        in_field = cut.mask(aligned.field)
         appearances = {n: appearances_of(p, self.candidates, self.tolerance) for n, p in pictures.items()}
         gains = self._gains(appearances, inside) if appearances else {}
-        background = self._agreed(appearances, inside, gains)
         alike = {n: [_recoloured(picture, gains[n]) for picture in own] for n, own in pictures.items()}
-        foreign = foreign_background(self._views(background, pictures, alike, gains, inside), in_field)
+        shown = _Shown(pictures, alike, gains, inside, cut.mask(aligned.field))
+        background, foreign = self._background(appearances, shown)
         for _ in range(self.rounds):
             likely = {n: np.stack([foreign.likely(picture) for picture in own]) for n, own in alike.items()}
             appearances = {
                 n: appearances_of(p, self.candidates, self.tolerance, likely[n]) for n, p in pictures.items()
             }
-            background = self._agreed(appearances, inside, gains)
-            foreign = foreign_background(self._views(background, pictures, alike, gains, inside), in_field)
+            background, foreign = self._background(appearances, shown)
         hands = {name: cut.mask(mask) for name, mask in aligned.hands.items()}
         return ConsensusScorer(aligned.field, cut, background, exposure, self.different, gains, foreign, hands)
 
-    def _views(
-        self,
-        background: Mapping[str, Lab],
-        pictures: Mapping[str, Lab],
-        alike: Mapping[str, Sequence[Lab]],
-        gains: Mapping[str, Float],
-        inside: Mapping[str, Mask],
-    ) -> dict[str, SeenView]:
-        """What every camera shows beside its background; ``alike``: its pictures in colours like the others'."""
-        return {
+    def _background(
+        self, appearances: Mapping[str, Sequence[Appearance]], shown: _Shown
+    ) -> tuple[dict[str, Lab], ForeignBackground]:
+        """Every camera's background, and where that is a hand or a head that stays."""
+        background = self._agreed(appearances, shown.inside, shown.gains)
+        views = {
             name: SeenView(
-                _recoloured(behind, gains[name]),
-                alike[name],
-                [_solid(_differs(picture, behind, self.different)) > 0 for picture in pictures[name]],
-                inside[name],
+                _recoloured(behind, shown.gains[name]),
+                shown.alike[name],
+                [_solid(_differs(picture, behind, self.different)) > 0 for picture in shown.pictures[name]],
+                shown.inside[name],
             )
             for name, behind in background.items()
         }
+        return background, foreign_background(views, shown.field)
 
     def _agreed(
         self,

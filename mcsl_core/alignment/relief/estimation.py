@@ -1,4 +1,4 @@
-"""A pose's relief over programme pixels: how its cameras see it, the surface that all see, and what the EDL has of it.
+"""A pose's relief: its scene laid over programme pixels, the surface that its cameras see, hands taken off that.
 
 Poses of one perspective share its relief: a later pose is tied to the scene that the one before it found, and its own
 views are estimated together with that one's. So the perspective survives a movement as exactly as a camera is aligned
@@ -9,78 +9,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import cv2
 import numpy as np
-from attrs import evolve, frozen
+from attrs import evolve
 
-from mcsl_core.edl import Relief
-from mcsl_core.imaging.geometry import Array, inverse, project, scaling, size_at_columns, transform_points
-from mcsl_core.imaging.masks import Mask, central_ellipse, resize_mask, warp_mask
+from mcsl_core.imaging.geometry import Array, inverse, project, scaling
+from mcsl_core.imaging.masks import Mask, central_ellipse, warp_mask
 
-from ..aligned_views import AlignedPose
-from ..correspondences import Correspondences, Pairs
 from ..steady import steady_view
 from .cameras import ReliefCameras
-from .field_surface import field_gamma, height_of_gamma, knows_up
+from .field_surface import height_of_gamma, knows_up
 from .foreign import ForeignColours, foreign_colours
-from .matching import AROUND_WEIGHT, FIELD_POINTS, WIDTH, Views
+from .matching import Views
+from .pose_relief import PoseRelief
 from .protocol import ReliefCamera, ReliefEstimator, ReliefScene, ReliefSurface, ReliefView
-from .resting_hands import foreign_share, with_rim, without_resting_hands
-from .thin_plate import Nodes
+from .resting_hands import foreign_share, without_resting_hands
 from .tying import tie_scene
 
 _GROUPS = 3  # of moments: a hand that rests in one of them is outvoted
 _ABOUT = 0.15  # widths about the middle, where the cameras aim: there the base plane lies in the scene
-_FINER = 4  # times as fine as the nodes hands are laid into a view
-_KNOWN = 0.25  # confidence from which a node counts for them
 _BEFORE = " before"  # what a camera of the pose before is called
-
-
-@frozen(eq=False)
-class PoseRelief:
-    """A pose's relief over programme pixels.
-
-    Attributes
-    ----------
-    scene : ReliefScene
-        The pose's cameras, with what they show.
-    surface : ReliefSurface
-        Gamma at nodes over the programme's picture.
-    foreign : mapping of str to ForeignColours
-        Camera -> where its steady picture has the colours of what comes and goes.
-    hands : (rows, columns) bool array
-        The nodes of the surface where a hand rests all through the pose.
-    over : (rows, columns) array
-        Gamma with the hands, as the cameras see it.
-    height : float
-        See `height_of_gamma`; any without hands.
-    """
-
-    scene: ReliefScene
-    surface: ReliefSurface
-    foreign: Mapping[str, ForeignColours]
-    hands: Mask
-    over: Nodes
-    height: float
-
-    @property
-    def seen(self) -> ReliefSurface:
-        """The surface as far as it is seen, not carried on under hands."""
-        return evolve(self.surface, confidence=np.where(with_rim(self.hands), 0.0, self.surface.confidence))
-
-    def document(self) -> Relief:
-        """As the EDL has it; of the cameras that the surface serves."""
-        projections = {}
-        for name, camera in self.scene.cameras.items():
-            if name in self.surface.cameras:
-                a, b, c = (tuple(float(v) for v in row) for row in camera.projection)
-                projections[name] = (a, b, c)
-        sure = np.round(100 * np.clip(self.surface.confidence, 0, 1)).astype(int)
-        return Relief(
-            projections,
-            tuple(tuple(round(float(v), 3) for v in row) for row in self.surface.gamma),
-            tuple(tuple(int(v) for v in row) for row in sure),
-        )
 
 
 def estimate_relief(
@@ -151,87 +98,6 @@ def _height(scene: ReliefScene) -> float | None:
     sizes = {name: camera.size for name, camera in scene.cameras.items()}
     up = height_of_gamma(projections, sizes, np.array(scene.size) / 2)
     return up if knows_up(projections, sizes) else None
-
-
-def surface_pairs(relief: PoseRelief, reference: str, field: Mask) -> Pairs:
-    """Where every camera sees a grid of points all over the field, by the surface as it goes on under hands.
-
-    Parameters
-    ----------
-    relief : PoseRelief
-        Of a pose in which hands rest; it serves the reference camera.
-    reference : str
-        The pose's reference camera.
-    field : (H, W) bool array
-        Where the surgical field lies in the programme's picture, of any size.
-
-    Returns
-    -------
-    mapping of (str, str) to Correspondences
-        Each camera's with the reference; outside of the field what weighs next to nothing, as `field_pairs` has it.
-    """
-    size = size_at_columns(relief.scene.size, WIDTH)
-    to_full = inverse(scaling(relief.scene.size, size))
-    mask = resize_mask(field, size)
-    surface = relief.seen
-    rows, columns = surface.gamma.shape
-    x, y = np.meshgrid(np.linspace(0, size[0] - 1, columns), np.linspace(0, size[1] - 1, rows))
-    sure = surface.confidence > _KNOWN
-    if not sure.any():
-        return {}
-    nodes = np.column_stack([x[sure], y[sure], surface.gamma[sure]])
-    gamma = field_gamma(nodes, mask, relief.height).astype(np.float64)
-    every = max(1, int(np.sqrt(mask.sum() / FIELD_POINTS)))
-    inside = np.zeros_like(mask)
-    inside[::every, ::every] = True
-    at = np.argwhere(inside & mask)
-    scene = np.column_stack([transform_points(to_full, at[:, ::-1].astype(np.float64)), gamma[at[:, 0], at[:, 1]]])
-    around = ~mask[np.round(nodes[:, 1]).astype(int), np.round(nodes[:, 0]).astype(int)]
-    beside = np.column_stack([transform_points(to_full, nodes[around, :2]), nodes[around, 2]])
-    weight = np.concatenate([np.ones(len(scene)), np.full(len(beside), AROUND_WEIGHT)])
-    scene = np.concatenate([scene, beside])
-    seen = np.ones(len(scene), np.int64)
-    own = project(relief.scene.cameras[reference].projection, scene)
-    return {
-        (reference, name): Correspondences(own, project(camera.projection, scene), weight, seen)
-        for name, camera in relief.scene.cameras.items()
-        if name != reference and name in relief.surface.cameras
-    }
-
-
-def resting_hands_in(relief: PoseRelief, aligned: AlignedPose) -> dict[str, Mask]:
-    """Where each camera's view of an aligned pose has the hands that rest in it.
-
-    Parameters
-    ----------
-    relief : PoseRelief
-        Of the same pose.
-    aligned : AlignedPose
-        How its views lie.
-
-    Returns
-    -------
-    dict of str to (H, W) bool array
-        At the hands' own height; of cameras that the relief does not know as the reference camera has them. Empty
-        without hands.
-    """
-    rows, columns = np.nonzero(cv2.resize(relief.hands.astype(np.uint8), None, fx=_FINER, fy=_FINER))
-    if not len(rows):
-        return {}
-    height, width = (n * _FINER for n in relief.hands.shape)
-    gamma = cv2.resize(relief.over, (width, height), interpolation=cv2.INTER_LINEAR)[rows, columns]
-    at = np.column_stack([columns, rows]) * (np.array(relief.scene.size) - 1) / (width - 1, height - 1)
-    scene = np.column_stack([at, gamma.astype(np.float64)])
-    found = {}
-    for name in sorted(relief.scene.cameras.keys() & aligned.homographies.keys()):
-        seen = project(relief.scene.cameras[name].projection, scene)
-        laid = np.round(transform_points(aligned.warp_of(name, aligned.camera_sizes[name]), seen)).astype(int)
-        laid = laid[((laid >= 0) & (laid < aligned.size)).all(axis=1)]
-        mask = np.zeros(aligned.size[::-1], np.uint8)
-        mask[laid[:, 1], laid[:, 0]] = 1
-        found[name] = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8)) > 0
-    nearest = found.get(aligned.reference, np.zeros(aligned.size[::-1], bool))
-    return {name: found.get(name, nearest) for name in sorted(aligned.homographies)}
 
 
 def _at_nodes(field: Mask, surface: ReliefSurface, to_programme: Array, size: tuple[int, int]) -> Mask:

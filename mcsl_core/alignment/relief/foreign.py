@@ -24,10 +24,10 @@ _COLUMNS = 240  # of the pictures that are counted
 _SAMPLES = 12  # of a camera
 _SHAPE = (16, 32, 32)  # bins of L, a and b, smoothed by one: shading moves lightness, noise all three
 _PASSES = 16  # grey levels of 255 that a sample is off the steady picture where something passes
-_FOREIGN = 0.6  # odds from which a colour is foreign
-# Tan gloves on a tan limb have 0.5, the limb and its drapes 0.2 to 0.3; a table beside it 0.7, but lies flat.
-_LIKELY = 0.45
-_MOST = 0.5  # of the field: where more would be foreign its colours tell nothing, as of bare hands
+# How probable it is that a colour comes and goes rather than belongs to the scene, from which it is surely or likely
+# foreign. Tan gloves on a tan limb have 0.5, the limb and its drapes 0.2 to 0.3; a table beside it 0.7, but lies flat.
+_SURE, _LIKELY = 0.6, 0.45
+_MOST = 0.5  # of the field: where more would be foreign colours tell nothing, as of bare hands
 _ROUNDS = 2  # what was found foreign is no part of the scene's colours
 
 
@@ -70,7 +70,7 @@ def foreign_colours(
     """
     seen = {name: _Seen.of(view, [s.get(name) for s in samples], fields[name]) for name, view in steady.items()}
     places = {name: np.zeros(own.bins.shape, bool) for name, own in seen.items()}
-    odds: dict[str, NDArray[np.float32]] = {}
+    probable: dict[str, NDArray[np.float32]] = {}
     for _ in range(_ROUNDS):
         whole, field, coming = (np.zeros(int(np.prod(_SHAPE))) for _ in range(3))
         for name, own in seen.items():
@@ -79,18 +79,18 @@ def foreign_colours(
             coming += own.coming + _counted(own.bins[places[name]])
         of_scene = np.maximum(_share(whole), _share(field))
         by_colour = (_share(coming) / (_share(coming) + of_scene + 1e-6)).astype(np.float32)
-        odds = {name: np.asarray(cv2.blur(by_colour[own.bins], (5, 5)), np.float32) for name, own in seen.items()}
-        places = {name: own > _FOREIGN for name, own in odds.items()}
+        probable = {name: np.asarray(cv2.blur(by_colour[own.bins], (5, 5)), np.float32) for name, own in seen.items()}
+        places = {name: own > _SURE for name, own in probable.items()}
         inside = sum(int(own.field.sum()) for own in seen.values())
         if sum(int((places[n] & own.field).sum()) for n, own in seen.items()) > _MOST * max(inside, 1):
             places = {name: np.zeros(own.bins.shape, bool) for name, own in seen.items()}
-            odds = {name: np.zeros(own.bins.shape, np.float32) for name, own in seen.items()}
+            probable = {name: np.zeros(own.bins.shape, np.float32) for name, own in seen.items()}
             break
     found = {}
     for name, view in steady.items():
         size = view.steady.shape[::-1]
         rim = cv2.dilate(places[name].astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
-        sure, likely = (resize_mask(mask, size) & view.steady for mask in (rim, odds[name] > _LIKELY))
+        sure, likely = (resize_mask(mask, size) & view.steady for mask in (rim, probable[name] > _LIKELY))
         found[name] = ForeignColours(sure, likely)
     return found
 

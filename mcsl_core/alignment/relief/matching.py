@@ -23,9 +23,9 @@ from .interpolation import gamma_map
 from .rig import Rig, helpful, moved_rig, zoomed_rig
 
 WIDTH = 480  # columns of the views that are matched: more found no more, and took its time
-_BY_PLANE = DenseSettings(grid_px=6, other_hue=0.0, reach=0.05)  # a relief may lead so far ...
-_BY_RELIEF = DenseSettings(grid_px=6, other_hue=0.0, reach=0.02)  # ... and what is left of it so far
-_CLOSELY = attrs.evolve(_BY_RELIEF, grid_px=4)  # over the field alone
+BY_PLANE = DenseSettings(grid_px=6, other_hue=0.0, reach=0.05)  # a relief may lead so far ...
+BY_RELIEF = DenseSettings(grid_px=6, other_hue=0.0, reach=0.02)  # ... and what is left of it so far
+_CLOSELY = attrs.evolve(BY_RELIEF, grid_px=4)  # over the field alone
 _LEAST = 150  # matches of a camera: with fewer it spoils itself and the others
 # Of 20 points and more that others agree on, cameras that were tied saw 0.83 and more where those said (0.97 as a
 # rule); where a head before the reference had tied them by chance there were no such points, or 0.57 to 0.67.
@@ -97,7 +97,7 @@ def relief_cameras(views: Views, homographies: Mapping[str, Array], rigs: Sequen
     to_views = scaling(views.sizes[views.reference], views.size)
     planes = pixels_of(views.size)
     laid = {n: transform_points(inverse(to_views @ homographies[n]), planes) for n in names}
-    by_plane = _matched(views, laid, _BY_PLANE)
+    by_plane = _matched(views, laid, BY_PLANE)
     found = _by_planes(by_plane, names, views, homographies)
     shown = {name for name, view in views.steady.items() if view is not None}
     rig = helpful(rigs, shown - Rig.of(found).sure())
@@ -111,13 +111,13 @@ def _by_planes(
     found = _solved(by_plane, names, views, homographies, _RATHER)
     if found is None:
         return None
-    told = list(found.projections)
-    matches, best = _matched(views, _laid_by(found, views), _BY_RELIEF), None
+    kept = list(found.projections)
+    matches, best = _matched(views, _laid_by(found, views), BY_RELIEF), None
     for start in (homographies, _planes_of(found)):
-        again = _solved(matches, told, views, start)
+        again = _solved(matches, kept, views, start)
         if again is not None and (best is None or len(again.projections) > len(best.projections)):
             best = again
-        if best is not None and len(best.projections) == len(told):
+        if best is not None and len(best.projections) == len(kept):
             break
     return best or _solved(by_plane, names, views, homographies)
 
@@ -142,7 +142,7 @@ def _by_rig(found: ReliefCameras | None, by_plane: _Matches, rig: Rig, views: Vi
     zoomed, matches = zoomed_rig(rig.projections, tracks_of(by_plane.all, names), views.sizes), by_plane
     if zoomed is None:  # heads alone may match where they are all that is seen, and lead planes anywhere
         laid = _laid_on(np.zeros(views.size[::-1], np.float32), rig.projections, views)
-        matches = _matched(views, {name: laid[name] for name in names}, _BY_PLANE)
+        matches = _matched(views, {name: laid[name] for name in names}, BY_PLANE)
         zoomed = zoomed_rig(rig.projections, tracks_of(matches.all, names), views.sizes)
     if zoomed is None:
         return found
@@ -151,24 +151,24 @@ def _by_rig(found: ReliefCameras | None, by_plane: _Matches, rig: Rig, views: Vi
         laid = locate(tracks_of(matches.all, list(own.projections)), own.projections, views.sizes)
         if len(laid.points) < _LEAST:
             return found
-        matches = _matched(views, _laid_by(laid, views), _BY_RELIEF)
+        matches = _matched(views, _laid_by(laid, views), BY_RELIEF)
         again = _solved(matches, list(own.projections), views, own.projections)
         if again is None:
             return found
-        own = _told(again, zoomed, views)
+        own = _with_rigs(again, zoomed, views)
     if found is None or len(own.projections) >= len(found.projections):
         return own
-    return _told(found, zoomed, views)
+    return _with_rigs(found, zoomed, views)
 
 
-def _told(cameras: ReliefCameras, rig: Mapping[str, Array], views: Views) -> ReliefCameras:
+def _with_rigs(cameras: ReliefCameras, rig: Mapping[str, Array], views: Views) -> ReliefCameras:
     """The same, and of cameras that share too little what the rig tells, in terms of those that many places tie."""
     names = Rig.of(cameras).sure() | {views.reference}
     sure = {name: p for name, p in cameras.projections.items() if name in names}
     moved = moved_rig(rig, sure, cameras.points, views.reference, views.sizes)
-    told = {} if moved is None else {name: p for name, p in moved.items() if name not in cameras.projections}
-    matches = {**cameras.matches, **dict.fromkeys(told, 0)}
-    return attrs.evolve(cameras, projections={**cameras.projections, **told}, matches=matches)
+    more = {} if moved is None else {name: p for name, p in moved.items() if name not in cameras.projections}
+    matches = {**cameras.matches, **dict.fromkeys(more, 0)}
+    return attrs.evolve(cameras, projections={**cameras.projections, **more}, matches=matches)
 
 
 def _laid_by(cameras: ReliefCameras, views: Views) -> dict[str, Array]:
@@ -233,7 +233,7 @@ def _aim_covered(pairs: Pairs, views: Views) -> float:
         if a == views.reference:
             column, row = np.round(transform_points(to_views, matches.a)).astype(int).T
             there[row, column] = 1
-    reach = 2 * _BY_PLANE.grid_px + 1
+    reach = 2 * BY_PLANE.grid_px + 1
     covered = cv2.dilate(there, np.ones((reach, reach), np.uint8))  # pyright: ignore[reportArgumentType]
     return float((covered * aim).sum() / aim.sum())
 

@@ -37,8 +37,9 @@ _COLOURED = 0.3  # share of cameras from which a node is no ground
 # of the picture) to 20, limbs, rims and folds 0 to 1.3.
 _HAND = 1.7
 _MOST = 0.5  # of the field; hands alone covered 0.28 at most
-# Tan gloves on a tan limb: half of the cameras see likely colours, and it stands higher than a rim or a fold.
-_LIKELY, _HIGH = 0.5, 10.0
+# Tan gloves on a tan limb: half of the cameras see likely colours, and it stands higher than a rim or a fold, in pixels
+# of 960.
+_HALF, _HIGH = 0.5, 10.0
 _UNDER = Plate(pull=1e-5)  # by the usual pull it sags to the plane within a hand's width
 _REACH, _FULL = 4.0, 0.15  # nodes; mean confidence about a node from which the ground is carried on there
 
@@ -92,9 +93,9 @@ def without_resting_hands(
     for piece in _wide_pieces(known & (above > _STANDS), field):
         if foreign.sure[piece].mean() * np.median(above[piece]) > _HAND:
             hands |= piece
-    likely = foreign.likely > _LIKELY
+    likely = foreign.likely > _HALF
     above = heights - _ground(heights, sure * ~likely)
-    for piece in _wide_pieces(known & (above > _STANDS) & (cv2.blur(foreign.likely, (3, 3)) > _LIKELY), field):
+    for piece in _wide_pieces(known & (above > _STANDS) & (cv2.blur(foreign.likely, (3, 3)) > _HALF), field):
         if np.median(above[piece]) > _HIGH:
             hands |= piece
     if not hands.any():

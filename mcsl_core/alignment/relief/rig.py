@@ -51,7 +51,7 @@ class Rig:
         """The cameras that many places tie: another pose's rig has nothing to tell of them."""
         return {name for name, count in self.matches.items() if count >= _SURE}
 
-    def told(self) -> set[str]:
+    def transferred(self) -> set[str]:
         """The cameras that another pose told of."""
         return {name for name, count in self.matches.items() if count == 0}
 

@@ -14,14 +14,13 @@ from mcsl_core.imaging.masks import Mask
 from mcsl_core.imaging.relief import between_nodes
 
 from ..dense_matching import AlignedCamera, DenseSettings, match_densely, pixels_of
-from .matching import WIDTH
+from .matching import BY_PLANE, BY_RELIEF, WIDTH
 from .protocol import ReliefCamera, ReliefScene, ReliefSurface
 
-_SETTINGS = (DenseSettings(grid_px=6, other_hue=0.0, reach=0.05), DenseSettings(grid_px=6, other_hue=0.0, reach=0.02))
 _SCALES = ((6 / 960, 1 / 960), (1 / 960,))  # widths; of each round's loss
 _LEAST = 400  # matches of all cameras
 _FITS = (3.0 / 960, 1.0 / 960)  # of the width, median: laid by planes 12 px off, flow is a pixel off that fits at last
-_KNOWN = 0.3  # confidence of the surface where it may tie: beside that it is the plane, whatever the scene is
+_TIES = 0.3  # confidence of the surface where it may tie: beside that it is the plane, whatever the scene is
 
 
 def tie_scene(before: ReliefScene, surface: ReliefSurface, own: ReliefScene, to_own: Array) -> Array | None:
@@ -53,7 +52,7 @@ def tie_scene(before: ReliefScene, surface: ReliefSurface, own: ReliefScene, to_
     names = [name for name in own.cameras if name in before.cameras]
     laid = {name: transform_points(own.cameras[name].plane, grid.scene[:, :2]) for name in names}
     found: Array | None = None
-    for settings, scales, fits in zip(_SETTINGS, _SCALES, _FITS, strict=True):
+    for settings, scales, fits in zip((BY_PLANE, BY_RELIEF), _SCALES, _FITS, strict=True):
         matches = {name: grid.matched(before.cameras[name], own.cameras[name], laid[name], settings) for name in names}
         if sum(len(seen) for _, seen in matches.values()) < _LEAST:
             return None
@@ -83,7 +82,7 @@ class _Grid:
         pixels = transform_points(scaling(size, before.size), pixels_of(size))
         nodes = np.stack([surface.gamma, surface.confidence], axis=-1)
         gamma, confidence = between_nodes(nodes, before.size, pixels).T
-        known = (confidence > _KNOWN).reshape(size[::-1])
+        known = (confidence > _TIES).reshape(size[::-1])
         return cls(size, before.size, np.column_stack([pixels, gamma]), known)
 
     def matched(

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from mcsl_core.alignment.aligned_views import AlignedPose
-from mcsl_core.alignment.field_voices import aim_of, field_by_voices, gather
+from mcsl_core.alignment.field import aim_of
+from mcsl_core.alignment.field_voices import field_by_voices, gather
 
 SIZE = (240, 136)
 FIELD = (slice(42, 96), slice(78, 164))

@@ -7,21 +7,16 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 import pytest
+from hand_over_slope import PROJECTIONS, SIZE
 
-from mcsl_core.alignment.aligned_views import AlignedPose
 from mcsl_core.alignment.relief.cameras import ReliefCameras
-from mcsl_core.alignment.relief.estimation import PoseRelief, estimate_relief, resting_hands_in, surface_pairs
+from mcsl_core.alignment.relief.estimation import estimate_relief
 from mcsl_core.alignment.relief.matching import Views
-from mcsl_core.alignment.relief.protocol import PlaneRelief, ReliefCamera, ReliefScene, ReliefSurface
+from mcsl_core.alignment.relief.pose_relief import PoseRelief
+from mcsl_core.alignment.relief.protocol import PlaneRelief, ReliefScene, ReliefSurface
 from mcsl_core.alignment.steady import SteadyView
 from mcsl_core.imaging.geometry import project, transform_points
 
-SIZE = (960, 540)
-PROJECTIONS = {
-    "ref": np.eye(3, 4),
-    "b": np.array([[0.3, -0.95, 600.0, 0.9], [0.95, 0.3, -200.0, 0.4], [1e-5, 2e-5, 1.0, 1e-4]]),
-    "c": np.array([[-0.8, -0.6, 1000.0, -0.5], [0.6, -0.8, 300.0, 0.8], [-2e-5, 1e-5, 1.0, 2e-4]]),
-}
 FIELD = np.zeros((270, 480), bool)
 FIELD[90:180, 160:320] = True
 POINTS = np.random.default_rng(5).uniform((60, 60), (900, 480), (400, 2))
@@ -113,50 +108,3 @@ def test_a_pose_that_shares_nothing_with_the_one_before_stands_by_its_plane() ->
     assert second is not None
     assert told.scene is not None
     assert set(told.scene.cameras) == set(PROJECTIONS), "blank pictures tie nothing"
-
-
-HAND = np.zeros((54, 96), bool)
-HAND[20:30, 30:60] = True
-
-
-def under_hand() -> PoseRelief:
-    """A slope, and a hand 20 px of gamma above it."""
-    x = np.arange(96.0) * np.ones((54, 1))
-    surface = ReliefSurface(0.1 * x, np.full((54, 96), 0.9), frozenset(PROJECTIONS))
-    cameras = {name: ReliefCamera(SIZE, p, np.eye(3), ()) for name, p in PROJECTIONS.items()}
-    return PoseRelief(ReliefScene(SIZE, cameras), surface, {}, HAND, 0.1 * x + 20.0 * HAND, 1.0)
-
-
-def test_a_resting_hand_lies_in_every_view_where_its_height_puts_it() -> None:
-    relief = under_hand()
-    lifted = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0.0]])
-    planes = {name: np.linalg.inv(p @ lifted) for name, p in PROJECTIONS.items()}
-    planes["tied by points alone"] = np.eye(3)
-    aligned = AlignedPose((480, 270), "ref", planes, dict.fromkeys(planes, SIZE), FIELD)
-    masks = resting_hands_in(relief, aligned)
-    np.testing.assert_array_equal(masks.pop("tied by points alone"), masks["ref"])
-    assert masks.keys() == PROJECTIONS.keys()
-    place = np.array([450.0, 250.0])  # a node of the hand, its gamma 4.5 above 0
-    for name, mask in masks.items():
-        seen = project(PROJECTIONS[name], np.array([[*place, 0.1 * place[0] * 95 / 959 + 20]]))
-        x, y = transform_points(planes[name], seen)[0] / 2
-        assert mask[round(y), round(x)]
-        assert mask.sum() == pytest.approx(HAND.sum() * 25, rel=0.25)
-
-
-def test_under_a_hand_the_surface_is_carried_on_and_ties_nothing() -> None:
-    seen = under_hand().seen
-    assert not seen.confidence[HAND].any()
-    assert seen.confidence[5, 5] == 0.9
-
-
-def test_planes_under_hands_are_told_of_the_surface_and_not_of_the_hand() -> None:
-    pairs = surface_pairs(under_hand(), "ref", FIELD)
-    assert pairs.keys() == {("ref", "b"), ("ref", "c")}
-    for (_, name), matches in pairs.items():
-        scene = np.column_stack([matches.a, 0.1 * matches.a[:, 0] * 95 / 959])
-        in_field = matches.weight == 1
-        assert in_field.sum() > 300
-        off = np.hypot(*(project(PROJECTIONS[name], scene) - matches.b)[in_field].T)
-        assert np.median(off) < 0.3
-        assert off.max() < 2
