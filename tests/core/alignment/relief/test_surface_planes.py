@@ -22,3 +22,5 @@ def test_planes_under_hands_are_told_of_the_surface_and_not_of_the_hand() -> Non
         off = np.hypot(*(project(PROJECTIONS[name], scene) - matches.b)[in_field].T)
         assert np.median(off) < 0.3
         assert off.max() < 2
+        assert (~in_field).sum() > 300
+        assert matches.weight[~in_field].sum() < 0.001 * in_field.sum(), "they say that the pair is tied, not how"

@@ -1,0 +1,110 @@
+"""Where hands rest over the field its planes serve the field under them, whatever the matches were of."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+from attrs import evolve
+from hand_over_slope import HAND, HIGH, PROJECTIONS, SIZE, slope, under_hand
+
+from mcsl_core.alignment.aligned_views import AlignedPose
+from mcsl_core.alignment.joint import JointPlane
+from mcsl_core.alignment.observations import SolvedPose
+from mcsl_core.alignment.planes_under_hands import with_planes_under_hands
+from mcsl_core.alignment.relief.pose_relief import PoseRelief
+from mcsl_core.edl import Pose
+from mcsl_core.imaging.geometry import Array, inverse, project, to_edl_matrix, transform_points
+from mcsl_core.timing import FrameRange
+
+ALIGNED = (480, 270)
+
+
+def field_about_the_hand() -> np.ndarray:
+    """In the programme's picture, of the aligned size: the hand covers some two fifths of it."""
+    field = np.zeros(ALIGNED[::-1], bool)
+    field[80:170, 130:320] = True
+    return field
+
+
+def solved(anchor: Array, field: np.ndarray) -> tuple[SolvedPose, PoseRelief]:
+    """A pose whose planes serve the hand, 20 px of gamma above the field, and its relief over programme pixels."""
+    relief = under_hand()
+    cameras = {
+        name: evolve(camera, projection=p)
+        for (name, camera), p in zip(
+            relief.scene.cameras.items(),
+            (np.column_stack([inverse(anchor), np.zeros(3)]), PROJECTIONS["b"], PROJECTIONS["c"]),
+            strict=True,
+        )
+    }
+    relief = evolve(relief, scene=evolve(relief.scene, cameras=cameras))
+    lifted = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, slope(450.0) + HIGH]])
+    planes = {name: inverse(anchor) @ inverse(camera.projection @ lifted) for name, camera in cameras.items()}
+    planes["d"] = np.array([[1, 0, 7.0], [0, 1, 5.0], [0, 0, 1]])  # a camera that the relief does not know
+    here = cv2.warpPerspective(field.astype(np.uint8), inverse(halved(anchor)), ALIGNED, flags=cv2.INTER_NEAREST) > 0
+    aligned = AlignedPose(ALIGNED, "ref", planes, dict.fromkeys(planes, SIZE), here)
+    pose = Pose(FrameRange(0, 10), {n: to_edl_matrix(h) for n, h in planes.items()}, anchor=to_edl_matrix(anchor))
+    return SolvedPose(pose, aligned, (0,), {}), relief
+
+
+def halved(full: Array) -> Array:
+    """A warp of full-size pixels in those of half the size."""
+    half = np.array([[0.5, 0, -0.25], [0, 0.5, -0.25], [0, 0, 1]])
+    return half @ full @ inverse(half)
+
+
+def off(pose: SolvedPose, relief: PoseRelief, anchor: Array, name: str) -> float:
+    """Median over the field, in programme pixels, of how far from a point of the slope the camera's plane lays it."""
+    at = 2.0 * np.argwhere(field_about_the_hand())[::50, ::-1] + 0.5
+    seen = project(relief.scene.cameras[name].projection, np.column_stack([at, slope(at[:, 0])]))
+    laid = transform_points(anchor @ np.array(pose.pose.homographies[name]), seen)
+    return float(np.median(np.hypot(*(laid - at).T)))
+
+
+@pytest.mark.parametrize(("turn", "down"), [(0, 0), (12, 0), (0, 200)])
+def test_planes_serve_the_field_under_the_hand_and_not_the_hand(turn: float, down: float) -> None:
+    anchor = np.vstack([cv2.getRotationMatrix2D((480, 270), turn, 1.03 if turn else 1.0), [0, 0, 1]])
+    anchor[1, 2] += down
+    pose, relief = solved(anchor, field_about_the_hand())
+    made = with_planes_under_hands(pose, relief, JointPlane())
+    for name in ("b", "c"):
+        assert off(pose, relief, anchor, name) > 0.7 * HIGH, "or this says nothing"
+        assert off(made, relief, anchor, name) < 1.0, name
+        np.testing.assert_allclose(made.aligned.homographies[name], made.pose.homographies[name], rtol=1e-6)
+        assert made.pose.support[name] > 0
+        assert made.pose.residual_px[name] < 2
+    np.testing.assert_array_equal(made.aligned.homographies["d"], pose.aligned.homographies["d"])
+
+
+def test_a_camera_that_the_surface_does_not_serve_keeps_its_plane() -> None:
+    pose, relief = solved(np.eye(3), field_about_the_hand())
+    fewer = evolve(relief, surface=evolve(relief.surface, cameras=frozenset({"ref", "b"})))
+    made = with_planes_under_hands(pose, fewer, JointPlane())
+    assert off(made, relief, np.eye(3), "b") < 1.0
+    assert made.pose.homographies["c"] == pose.pose.homographies["c"]
+
+
+def test_planes_stay_where_hands_cover_little_of_the_field() -> None:
+    beside = np.zeros(ALIGNED[::-1], bool)
+    beside[170:250, 20:200] = True
+    pose, relief = solved(np.eye(3), beside)
+    assert with_planes_under_hands(pose, relief, JointPlane()) is pose
+    pose, relief = solved(np.eye(3), field_about_the_hand())
+    gone = evolve(relief, hands=np.zeros_like(HAND))
+    assert with_planes_under_hands(pose, gone, JointPlane()) is pose
+
+
+def test_planes_stay_where_the_surface_does_not_serve_the_reference_or_is_sure_of_nothing() -> None:
+    pose, relief = solved(np.eye(3), field_about_the_hand())
+    without = evolve(relief, surface=evolve(relief.surface, cameras=frozenset({"b", "c"})))
+    assert with_planes_under_hands(pose, without, JointPlane()) is pose
+    unsure = evolve(relief, surface=evolve(relief.surface, confidence=np.full(HAND.shape, 0.1)))
+    assert with_planes_under_hands(pose, unsure, JointPlane()) is pose
+
+
+def test_planes_stay_where_they_would_lose_a_camera() -> None:
+    pose, relief = solved(np.eye(3), field_about_the_hand())
+    nowhere = evolve(relief.scene.cameras["c"], projection=np.array([[0, 0, 9.0, 0], [0, 0, 9.0, 0], [0, 0, 1.0, 0]]))
+    blind = evolve(relief, scene=evolve(relief.scene, cameras={**relief.scene.cameras, "c": nowhere}))
+    assert with_planes_under_hands(pose, blind, JointPlane()) is pose
