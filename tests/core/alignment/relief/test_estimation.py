@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 from hand_over_slope import PROJECTIONS, SIZE
 
+from mcsl_core.alignment.aligned_views import AlignedPose
 from mcsl_core.alignment.relief.cameras import ReliefCameras
 from mcsl_core.alignment.relief.estimation import estimate_relief
+from mcsl_core.alignment.relief.hand_masks import hand_masks
 from mcsl_core.alignment.relief.matching import Views
 from mcsl_core.alignment.relief.pose_relief import PoseRelief
 from mcsl_core.alignment.relief.protocol import PlaneRelief, ReliefScene, ReliefSurface
-from mcsl_core.alignment.steady import SteadyView
+from mcsl_core.alignment.steady import SteadyView, steady_view
 from mcsl_core.imaging.geometry import project, transform_points
 
 FIELD = np.zeros((270, 480), bool)
@@ -108,3 +110,60 @@ def test_a_pose_that_shares_nothing_with_the_one_before_stands_by_its_plane() ->
     assert second is not None
     assert told.scene is not None
     assert set(told.scene.cameras) == set(PROJECTIONS), "blank pictures tie nothing"
+
+
+GLOVE, SKIN, SLEEVE = (225, 230, 235), (120, 150, 210), (150, 90, 50)  # BGR
+STANDS = 24.0  # gamma of the hand above the flat scene
+
+
+def gloved(rests: bool) -> Views:
+    """Skin, gloves that pass at a corner, and a hand that rests above the scene where each camera sees it."""
+    x, y = np.meshgrid((300, 600), (200, 300))
+    corners = np.column_stack([x.ravel(), y.ravel(), np.full(4, STANDS)])[[0, 1, 3, 2]]
+    rng, samples = np.random.default_rng(3), []
+    for n in range(12):
+        sample = {}
+        for name, projection in PROJECTIONS.items():
+            picture = np.full((270, 480, 3), SKIN, np.uint8)
+            if rests:
+                cv2.fillConvexPoly(picture, np.round(project(projection, corners) / 2).astype(np.int32), GLOVE)
+            if n % 3 == 0:
+                picture[5:60, 30 * n : 30 * n + 60] = GLOVE
+                picture[:9, 30 * n : 30 * n + 60] = SLEEVE
+            sample[name] = np.clip(picture + rng.normal(0, 2, picture.shape), 0, 255).astype(np.uint8)
+        samples.append(sample)
+    steady = {name: steady_view([sample[name] for sample in samples]) for name in PROJECTIONS}
+    return Views("ref", dict.fromkeys(PROJECTIONS, SIZE), steady, samples)
+
+
+@pytest.mark.parametrize("rests", [True, False])
+def test_a_hand_that_rests_is_taken_off_the_surface_and_known_in_every_view(rests: bool) -> None:
+    flat = ReliefCameras(PROJECTIONS, np.column_stack([POINTS, np.zeros(len(POINTS))]), dict.fromkeys(PROJECTIONS, 0.1))
+    planes = {name: np.linalg.inv(p[:, :3]) for name, p in PROJECTIONS.items()}
+    told = Told(list(PROJECTIONS))
+    x, y = np.meshgrid(np.linspace(0, 959, 96), np.linspace(0, 539, 54))
+    hand = (x > 300) & (x < 600) & (y > 200) & (y < 300)
+    told.surface = ReliefSurface(STANDS * hand, np.full((54, 96), 0.9), frozenset(PROJECTIONS))
+    field = np.zeros((270, 480), bool)
+    field[60:210, 120:360] = True
+    made = estimate_relief(told, flat, gloved(rests), planes, None, field)
+    assert made is not None
+    aligned = AlignedPose((480, 270), "ref", planes, dict.fromkeys(PROJECTIONS, SIZE), field)
+    masks = hand_masks(made, aligned)
+    if not rests:  # a wound's rim, as high: it has the scene's own colours
+        assert not made.hands.any()
+        assert masks == {}
+        np.testing.assert_array_equal(made.surface.gamma, told.surface.gamma)
+        return
+    assert told.scene is not None
+    assert not told.scene.cameras["ref"].views[0].steady[104:146, 154:296].any(), "its colours are not the scene's"
+    assert (made.hands & hand).sum() > 0.9 * hand.sum()
+    assert (made.hands & ~hand).sum() < 0.1 * hand.sum()
+    assert abs(made.surface.gamma[hand]).max() < 0.1 * STANDS
+    np.testing.assert_array_equal(made.over, told.surface.gamma)
+    assert masks.keys() == PROJECTIONS.keys()
+    for view in aligned.views(gloved(True).samples[1]):
+        glove, mask = view.inside & (view.aligned[..., 0] > 170), masks[view.camera]
+        assert (mask & glove).sum() > 0.85 * (mask | glove).sum(), view.camera
+        by_plane = masks["ref"]
+        assert view.camera == "ref" or (by_plane & glove).sum() < 0.8 * (by_plane | glove).sum()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mcsl_core.alignment.relief.foreign import foreign_colours
+from mcsl_core.alignment.relief.foreign import ForeignColours, foreign_colours
 from mcsl_core.alignment.steady import steady_view
 
 SIZE = (320, 180)
@@ -31,12 +31,16 @@ def moments(passing: tuple[int, int, int], resting: tuple[int, int, int] | None,
     return made
 
 
-def places(pictures: list[np.ndarray]) -> np.ndarray:
+def told(pictures: list[np.ndarray]) -> ForeignColours:
     view = steady_view(pictures)
     assert view is not None
     field = np.zeros((SIZE[1] // 2, SIZE[0] // 2), bool)
     field[30:60, 55:105] = True
-    return foreign_colours([{"cam1": p} for p in pictures], {"cam1": view}, {"cam1": field})["cam1"].sure
+    return foreign_colours([{"cam1": p} for p in pictures], {"cam1": view}, {"cam1": field})["cam1"]
+
+
+def places(pictures: list[np.ndarray]) -> np.ndarray:
+    return told(pictures).sure
 
 
 @pytest.mark.parametrize("glove", [GLOVE, (60, 60, 60), (190, 120, 60)], ids=["white", "black", "blue"])
@@ -53,13 +57,41 @@ def test_where_nothing_rests_nothing_is_foreign() -> None:
 
 
 def test_bare_hands_do_not_take_the_field_away() -> None:
-    assert not places(moments(SKIN, SKIN))[FIELD].any()
+    found = told(moments(SKIN, SKIN))
+    assert not (found.sure | found.likely)[FIELD].any()
 
 
 def test_cloth_of_the_sleeves_colour_stays() -> None:
     found = places(moments(GLOVE, GLOVE, cloth=SLEEVE))
     assert found[RESTS].mean() > 0.95
     assert not found[140:].any()
+
+
+TAN = (110, 140, 180)
+
+
+def tan_gloves(rows: int) -> list[np.ndarray]:
+    """A tan glove rests; of what passes, white gloves for the most part, so many rows have its colours."""
+    rng = np.random.default_rng(4)
+    made = []
+    for k in range(MOMENTS):
+        picture = np.full((SIZE[1], SIZE[0], 3), CLOTH, float)
+        picture[FIELD] = SKIN
+        picture[RESTS] = TAN
+        if k % 3 == 0:
+            picture[5:55, 20 * k : 20 * k + 70] = GLOVE
+            picture[5 : 5 + rows, 20 * k : 20 * k + 70] = TAN
+        made.append(np.clip(picture + rng.normal(0, 2, picture.shape), 0, 255).astype(np.uint8))
+    return made
+
+
+@pytest.mark.parametrize(("rows", "likely", "sure"), [(5, 0, 0), (20, 1, 0), (35, 1, 1)])
+def test_what_is_as_often_the_scenes_as_of_what_passes_is_likely_foreign(rows: int, likely: int, sure: int) -> None:
+    found = told(tan_gloves(rows))
+    assert found.likely[RESTS].mean() == pytest.approx(likely, abs=0.2)
+    assert found.sure[RESTS].mean() == pytest.approx(sure, abs=0.2)
+    found.likely[86:144, 176:264] = False  # its rim
+    assert not found.likely.any()
 
 
 def test_a_camera_without_any_sample_is_left_alone() -> None:
