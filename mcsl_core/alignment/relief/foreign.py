@@ -69,29 +69,28 @@ def foreign_colours(
         Camera -> where; nowhere where colours do not tell.
     """
     seen = {name: _Seen.of(view, [s.get(name) for s in samples], fields[name]) for name, view in steady.items()}
-    places = {name: np.zeros(own.bins.shape, bool) for name, own in seen.items()}
-    probable: dict[str, NDArray[np.float32]] = {}
+    nowhere = {name: np.zeros(own.bins.shape, bool) for name, own in seen.items()}
+    surely = likely = nowhere
     for _ in range(_ROUNDS):
         whole, field, coming = (np.zeros(int(np.prod(_SHAPE))) for _ in range(3))
         for name, own in seen.items():
-            whole += _counted(own.bins[own.steady & ~places[name]])
-            field += _counted(own.bins[own.field & ~places[name]])
-            coming += own.coming + _counted(own.bins[places[name]])
+            whole += _counted(own.bins[own.steady & ~surely[name]])
+            field += _counted(own.bins[own.field & ~surely[name]])
+            coming += own.coming + _counted(own.bins[surely[name]])
         of_scene = np.maximum(_share(whole), _share(field))
         by_colour = (_share(coming) / (_share(coming) + of_scene + 1e-6)).astype(np.float32)
         probable = {name: np.asarray(cv2.blur(by_colour[own.bins], (5, 5)), np.float32) for name, own in seen.items()}
-        places = {name: own > _SURE for name, own in probable.items()}
-        inside = sum(int(own.field.sum()) for own in seen.values())
-        if sum(int((places[n] & own.field).sum()) for n, own in seen.items()) > _MOST * max(inside, 1):
-            places = {name: np.zeros(own.bins.shape, bool) for name, own in seen.items()}
-            probable = {name: np.zeros(own.bins.shape, np.float32) for name, own in seen.items()}
+        surely, likely = ({name: own > least for name, own in probable.items()} for least in (_SURE, _LIKELY))
+        if _most_of_field(surely, seen):
+            surely = likely = nowhere
             break
+    if _most_of_field(likely, seen):
+        likely = surely
     found = {}
     for name, view in steady.items():
         size = view.steady.shape[::-1]
-        rim = cv2.dilate(places[name].astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
-        sure, likely = (resize_mask(mask, size) & view.steady for mask in (rim, probable[name] > _LIKELY))
-        found[name] = ForeignColours(sure, likely)
+        rim = cv2.dilate(surely[name].astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+        found[name] = ForeignColours(*(resize_mask(mask, size) & view.steady for mask in (rim, likely[name])))
     return found
 
 
@@ -119,6 +118,11 @@ class _Seen:
             passes = cv2.absdiff(cv2.cvtColor(now, cv2.COLOR_BGR2GRAY), grey) > _PASSES
             coming += _counted(_bins(now)[passes])
         return cls(_bins(picture), resize_mask(view.steady, size), resize_mask(field, size), coming)
+
+
+def _most_of_field(places: Mapping[str, Mask], seen: Mapping[str, _Seen]) -> bool:
+    inside = sum(int(own.field.sum()) for own in seen.values())
+    return sum(int((places[name] & own.field).sum()) for name, own in seen.items()) > _MOST * max(inside, 1)
 
 
 def _reduced(picture: Picture, size: tuple[int, int]) -> Picture:

@@ -61,6 +61,15 @@ def test_bare_hands_do_not_take_the_field_away() -> None:
     assert not (found.sure | found.likely)[FIELD].any()
 
 
+def test_what_passes_has_most_of_the_fields_colours_and_tells_nothing() -> None:
+    pictures = moments(SKIN, SKIN)
+    for picture in pictures:
+        picture[FIELD[0], 170:210] = (40, 40, 150)  # what is left has three fifths of the field
+        picture[:50][(picture[:50] - np.array(SLEEVE)).max(axis=2) < 12] = SKIN
+    found = told(pictures)
+    assert not (found.sure | found.likely).any()
+
+
 def test_cloth_of_the_sleeves_colour_stays() -> None:
     found = places(moments(GLOVE, GLOVE, cloth=SLEEVE))
     assert found[RESTS].mean() > 0.95
