@@ -26,7 +26,7 @@ from mcsl_core.alignment.correspondences import Correspondences, Pairs
 from mcsl_core.alignment.dense_matching import AlignedCamera, DenseSettings, match_densely
 from mcsl_core.alignment.observations import spread
 from mcsl_core.alignment.relief.cameras import ReliefCameras
-from mcsl_core.alignment.relief.matching import _BY_RELIEF, Views, _laid_by, _matched, relief_cameras
+from mcsl_core.alignment.relief.matching import BY_RELIEF, Views, _laid_by, _matched, relief_cameras
 from mcsl_core.alignment.relief.rig import Rig
 from mcsl_core.alignment.settings import SolveSettings
 from mcsl_core.alignment.steady import steady_view
@@ -79,7 +79,7 @@ def seen_poses(made: edl.Edl, samples: SampleStore) -> list[SeenPose | None]:
         views = Views(made.reference, sizes, steady, pictures)
         rigs = [Rig.of(p.cameras) for p in found if p and p.cameras]
         cameras = relief_cameras(views, homographies, rigs)
-        matches = {} if cameras is None else _matched(views, _laid_by(cameras, views), _BY_RELIEF).all
+        matches = {} if cameras is None else _matched(views, _laid_by(cameras, views), BY_RELIEF).all
         found.append(SeenPose(views, cameras, matches))
     return found
 
