@@ -36,17 +36,20 @@ def scene(to_own: np.ndarray, cloth: np.ndarray) -> ReliefScene:
     return ReliefScene(SIZE, cameras)
 
 
-def surface() -> ReliefSurface:
+def surface(bent: float = 0.0, confidence: float = 1.0) -> ReliefSurface:
+    """The hill, bent in and out by so many pixels of gamma."""
     x, y = np.meshgrid(np.linspace(0, SIZE[0] - 1, 96), np.linspace(0, SIZE[1] - 1, 54))
-    gamma = hill(np.stack([x.ravel(), y.ravel()], axis=1)).reshape(54, 96)
-    return ReliefSurface(gamma, np.ones((54, 96)), frozenset(RIG))
+    gamma = hill(np.stack([x.ravel(), y.ravel()], axis=1)).reshape(54, 96) + bent * np.sin(x / 20) * np.cos(y / 20)
+    return ReliefSurface(gamma, np.full((54, 96), confidence), frozenset(RIG))
+
+
+START = np.eye(4)
+START[:3, :3] = MOVED[:3, :3]
 
 
 def test_the_scene_lies_where_the_lamp_has_gone(cloth: np.ndarray) -> None:
     before, now = scene(np.eye(4), cloth), scene(MOVED, cloth)
-    start = np.eye(4)
-    start[:3, :3] = MOVED[:3, :3]
-    tied = tie_scene(before, surface(), now, start)
+    tied = tie_scene(before, surface(), now, START)
     assert tied is not None
     pixels = np.random.default_rng(3).uniform((60, 40), (420, 230), (300, 2))
     points = np.column_stack([pixels, hill(pixels)])
@@ -56,12 +59,22 @@ def test_the_scene_lies_where_the_lamp_has_gone(cloth: np.ndarray) -> None:
         off = np.hypot(*(project(own @ tied, points) - there).T)[shown]
         assert np.median(off) < 0.15, name
         assert np.percentile(off, 95) < 0.5, name
-        by_plane = np.hypot(*(project(own @ start, points) - there).T)[shown]
+        by_plane = np.hypot(*(project(own @ START, points) - there).T)[shown]
         assert np.percentile(by_plane, 95) > 2, "or this says nothing"
 
 
 def test_another_scene_is_not_tied(cloth: np.ndarray) -> None:
     before, now = scene(np.eye(4), cloth), scene(MOVED, np.ascontiguousarray(cloth[::-1, ::-1]))
-    start = np.eye(4)
-    start[:3, :3] = MOVED[:3, :3]
-    assert tie_scene(before, surface(), now, start) is None
+    assert tie_scene(before, surface(), now, START) is None
+
+
+@pytest.mark.parametrize(("bent", "tied"), [(0.5, True), (2.5, False)])
+def test_a_scene_whose_shape_has_changed_is_not_tied(cloth: np.ndarray, bent: float, tied: bool) -> None:
+    before, now = scene(np.eye(4), cloth), scene(MOVED, cloth)
+    assert (tie_scene(before, surface(bent), now, START) is not None) == tied
+
+
+def test_what_the_surface_does_not_know_ties_nothing(cloth: np.ndarray) -> None:
+    before, now = scene(np.eye(4), cloth), scene(MOVED, cloth)
+    assert tie_scene(before, surface(confidence=0.35), now, START) is not None
+    assert tie_scene(before, surface(confidence=0.25), now, START) is None
