@@ -6,8 +6,10 @@ import attrs
 import numpy as np
 
 from mcsl_core.imaging.geometry import scaling, to_edl_matrix
-from mcsl_core.imaging.masks import resize_mask, warp_mask
+from mcsl_core.imaging.masks import warp_mask
+from mcsl_core.imaging.relief import between_nodes
 
+from .dense_matching import pixels_of
 from .observations import SolvedPose
 from .protocol import Aligner
 from .relief.pose_relief import PoseRelief
@@ -38,7 +40,8 @@ def with_planes_under_hands(pose: SolvedPose, relief: PoseRelief, aligner: Align
     full = aligned.camera_sizes[reference]
     warp = scaling(full, aligned.size) @ np.array(pose.pose.anchor) @ scaling(aligned.size, full)
     field = warp_mask(aligned.field, warp, aligned.size)
-    covered = resize_mask(relief.hands, aligned.size) & field
+    hands = between_nodes(relief.hands[..., None], aligned.size, pixels_of(aligned.size)).reshape(field.shape)
+    covered = field & (hands > 0.5)
     if reference not in relief.surface.cameras or covered.sum() < _COVERED * max(field.sum(), 1):
         return pose
     pairs = surface_pairs(relief, reference, field)

@@ -96,6 +96,14 @@ def resize_mask(mask: Mask, size: tuple[int, int]) -> Mask:
     return cv2.resize(mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
 
 
+def mask_at(mask: Mask, points: NDArray[np.float64]) -> Mask:
+    """(N,): a mask at the pixels nearest to (N, 2) points; False outside."""
+    at = np.round(points).astype(int)
+    inside = ((at >= 0) & (at < (mask.shape[1], mask.shape[0]))).all(axis=1)
+    at[~inside] = 0
+    return inside & mask[at[:, 1], at[:, 0]]
+
+
 def warp_mask(mask: Mask, matrix: NDArray[np.float64], size: tuple[int, int]) -> Mask:
     """A mask in other pixels, ``matrix`` (3, 3) leading there from its own, by nearest neighbour; nothing outside."""
     return cv2.warpPerspective(mask.astype(np.uint8), matrix, size, flags=cv2.INTER_NEAREST) > 0

@@ -71,6 +71,12 @@ class ReliefMap:
         return gamma, confidence
 
 
+def node_pixels(shape: tuple[int, ...], size: tuple[int, int]) -> Array:
+    """(rows * columns, 2): the pixels at which (rows, columns) nodes lie, row by row, as `between_nodes` has them."""
+    x, y = np.meshgrid(np.linspace(0, size[0] - 1, shape[1]), np.linspace(0, size[1] - 1, shape[0]))
+    return np.stack([x.ravel(), y.ravel()], axis=1)
+
+
 def between_nodes(values: NDArray, size: tuple[int, int], points: Array) -> Array:
     """Values at nodes, between them: linear, constant beyond.
 

@@ -12,8 +12,9 @@ from collections.abc import Mapping
 import numpy as np
 from attrs import evolve
 
-from mcsl_core.imaging.geometry import Array, inverse, project, scaling
-from mcsl_core.imaging.masks import Mask, central_ellipse, warp_mask
+from mcsl_core.imaging.geometry import Array, inverse, project, scaling, transform_points
+from mcsl_core.imaging.masks import Mask, central_ellipse, mask_at, warp_mask
+from mcsl_core.imaging.relief import node_pixels
 
 from ..steady import steady_view
 from .cameras import ReliefCameras
@@ -21,7 +22,7 @@ from .field_surface import height_of_gamma, knows_up
 from .foreign import ForeignColours, foreign_colours
 from .matching import Views
 from .pose_relief import PoseRelief
-from .protocol import ReliefCamera, ReliefEstimator, ReliefScene, ReliefSurface, ReliefView
+from .protocol import ReliefCamera, ReliefEstimator, ReliefScene, ReliefView
 from .resting_hands import foreign_share, without_resting_hands
 from .tying import tie_scene
 
@@ -86,7 +87,7 @@ def estimate_relief(
     lifted_off, hands = surface, np.zeros(surface.gamma.shape, bool)
     if height is not None:
         share = foreign_share(surface, size, together.cameras, coloured)
-        nodes = _at_nodes(field, surface, to_programme[views.reference], size)
+        nodes = _at_nodes(field, surface.gamma.shape, to_programme[views.reference], size)
         lifted_off, hands = without_resting_hands(surface, share, height, nodes)
     served = evolve(lifted_off, cameras=surface.cameras & placed.cameras.keys())
     return PoseRelief(placed, served, foreign, hands, surface.gamma, height or 1.0)
@@ -100,11 +101,10 @@ def _height(scene: ReliefScene) -> float | None:
     return up if knows_up(projections, sizes) else None
 
 
-def _at_nodes(field: Mask, surface: ReliefSurface, to_programme: Array, size: tuple[int, int]) -> Mask:
+def _at_nodes(field: Mask, shape: tuple[int, ...], to_programme: Array, size: tuple[int, int]) -> Mask:
     """(rows, columns): the field in the reference camera's picture at the nodes of a surface over the programme's."""
-    nodes = surface.gamma.shape[::-1]
-    warp = scaling(size, nodes) @ to_programme @ scaling(field.shape[::-1], size)
-    return warp_mask(field, warp, nodes)
+    from_programme = scaling(size, field.shape[::-1]) @ inverse(to_programme)
+    return mask_at(field, transform_points(from_programme, node_pixels(shape, size))).reshape(shape)
 
 
 def _scene(

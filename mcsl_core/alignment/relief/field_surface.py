@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcsl_core.imaging.geometry import Array, project
-from mcsl_core.imaging.masks import Mask
+from mcsl_core.imaging.masks import Mask, mask_at
 
 from .interpolation import gamma_map
 
@@ -90,7 +90,7 @@ def field_gamma(points: Array, field: Mask, height: float) -> NDArray[np.float32
         That of all points where the field has few of its own, or no bend says how they lie.
     """
     size = (field.shape[1], field.shape[0])
-    own = points[_inside(points, field)]
+    own = points[mask_at(field, points[:, :2])]
     if len(own) < _LEAST:
         return gamma_map(points, size)
     rows, columns = np.nonzero(field)
@@ -109,13 +109,6 @@ def field_gamma(points: Array, field: Mask, height: float) -> NDArray[np.float32
     base = _terms((np.stack([x, y], axis=-1) - middle) / radius) @ bend
     around = gamma_map(np.column_stack([own[low, :2], left[low]]), size, far=0.0)
     return (share * (base + around) / height + (1 - share) * level).astype(np.float32)
-
-
-def _inside(points: Array, mask: Mask) -> NDArray[np.bool_]:
-    at = np.round(points[:, :2]).astype(int)
-    within = ((at >= 0) & (at < (mask.shape[1], mask.shape[0]))).all(axis=1)
-    at[~within] = 0
-    return within & mask[at[:, 1], at[:, 0]]
 
 
 def _terms(places: Array) -> Array:

@@ -7,6 +7,7 @@ import numpy as np
 
 from mcsl_core.imaging.geometry import project, transform_points
 from mcsl_core.imaging.masks import Mask
+from mcsl_core.imaging.relief import between_nodes, node_pixels
 
 from ..aligned_views import AlignedPose
 from .pose_relief import PoseRelief
@@ -30,13 +31,12 @@ def hand_masks(relief: PoseRelief, aligned: AlignedPose) -> dict[str, Mask]:
         At the hands' own height; of cameras that the relief does not know as the reference camera has them. Empty
         without hands.
     """
-    rows, columns = np.nonzero(cv2.resize(relief.hands.astype(np.uint8), None, fx=_FINER, fy=_FINER))
-    if not len(rows):
+    if not relief.hands.any():
         return {}
-    height, width = (n * _FINER for n in relief.hands.shape)
-    gamma = cv2.resize(relief.over, (width, height), interpolation=cv2.INTER_LINEAR)[rows, columns]
-    at = np.column_stack([columns, rows]) * (np.array(relief.scene.size) - 1) / (width - 1, height - 1)
-    scene = np.column_stack([at, gamma.astype(np.float64)])
+    size = relief.scene.size
+    pixels = node_pixels((_FINER * relief.hands.shape[0], _FINER * relief.hands.shape[1]), size)
+    hand, gamma = between_nodes(np.stack([relief.hands, relief.over], axis=-1), size, pixels).T
+    scene = np.column_stack([pixels, gamma])[hand > 0.5]
     found = {}
     for name in sorted(relief.scene.cameras.keys() & aligned.homographies.keys()):
         seen = project(relief.scene.cameras[name].projection, scene)

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from mcsl_core.imaging.geometry import project
-from mcsl_core.imaging.masks import Mask
+from mcsl_core.imaging.geometry import project, scaling, transform_points
+from mcsl_core.imaging.masks import Mask, mask_at
+from mcsl_core.imaging.relief import node_pixels
 
 from .foreign import ForeignColours
 from .protocol import ReliefCamera, ReliefSurface
@@ -140,25 +141,20 @@ def foreign_share(
     ForeignShare
         Of the cameras that see the node steadily; 0 where none does.
     """
-    rows, columns = surface.gamma.shape
-    x, y = np.meshgrid(np.linspace(0, size[0] - 1, columns), np.linspace(0, size[1] - 1, rows))
-    scene = np.column_stack([x.ravel(), y.ravel(), surface.gamma.ravel()])
+    scene = np.column_stack([node_pixels(surface.gamma.shape, size), surface.gamma.ravel()])
     sure, likely, seen = (np.zeros(len(scene)) for _ in range(3))
     for name, camera in cameras.items():
         own = foreign.get(name)
         if own is None or not camera.views:
             continue
-        there = (own.sure.shape[1], own.sure.shape[0])
-        at = np.round(project(camera.projection, scene) * np.array(there) / camera.size).astype(int)
-        inside = ((at >= 0) & (at < there)).all(axis=1)
-        at[~inside] = 0
-        x, y = at.T
-        shown = inside & (camera.views[0].steady | own.sure)[y, x]
-        sure += shown & own.sure[y, x]
-        likely += shown & own.likely[y, x]
+        to_picture = scaling(camera.size, (own.sure.shape[1], own.sure.shape[0]))
+        at = transform_points(to_picture, project(camera.projection, scene))
+        shown = mask_at(camera.views[0].steady | own.sure, at)
+        sure += shown & mask_at(own.sure, at)
+        likely += shown & mask_at(own.likely, at)
         seen += shown
-    seen = np.maximum(seen, 1)
-    return ForeignShare((sure / seen).reshape(rows, columns), (likely / seen).reshape(rows, columns))
+    seen, shape = np.maximum(seen, 1), surface.gamma.shape
+    return ForeignShare((sure / seen).reshape(shape), (likely / seen).reshape(shape))
 
 
 def _wide_pieces(standing: Mask, field: Mask | None) -> Iterator[Mask]:

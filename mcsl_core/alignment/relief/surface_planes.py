@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mcsl_core.imaging.geometry import inverse, project, scaling, size_at_columns, transform_points
-from mcsl_core.imaging.masks import Mask, resize_mask
+from mcsl_core.imaging.geometry import project, scaling, size_at_columns, transform_points
+from mcsl_core.imaging.masks import Mask, mask_at, resize_mask
+from mcsl_core.imaging.relief import node_pixels
 
 from ..correspondences import Correspondences, Pairs
 from .field_surface import field_gamma
@@ -32,24 +33,22 @@ def surface_pairs(relief: PoseRelief, reference: str, field: Mask) -> Pairs:
     mapping of (str, str) to Correspondences
         Each camera's with the reference; outside of the field what weighs next to nothing, as `field_pairs` has it.
     """
-    size = size_at_columns(relief.scene.size, WIDTH)
-    to_full = inverse(scaling(relief.scene.size, size))
+    full, size = relief.scene.size, size_at_columns(relief.scene.size, WIDTH)
     mask = resize_mask(field, size)
     surface = relief.seen
-    rows, columns = surface.gamma.shape
-    x, y = np.meshgrid(np.linspace(0, size[0] - 1, columns), np.linspace(0, size[1] - 1, rows))
     sure = surface.confidence > _LAYS
     if not sure.any():
         return {}
-    nodes = np.column_stack([x[sure], y[sure], surface.gamma[sure]])
-    gamma = field_gamma(nodes, mask, relief.height).astype(np.float64)
+    nodes = np.column_stack([node_pixels(sure.shape, full)[sure.ravel()], surface.gamma[sure]])
+    at_nodes = transform_points(scaling(full, size), nodes[:, :2])
+    gamma = field_gamma(np.column_stack([at_nodes, nodes[:, 2]]), mask, relief.height).astype(np.float64)
     every = max(1, int(np.sqrt(mask.sum() / FIELD_POINTS)))
     inside = np.zeros_like(mask)
     inside[::every, ::every] = True
     at = np.argwhere(inside & mask)
+    to_full = scaling(size, full)
     scene = np.column_stack([transform_points(to_full, at[:, ::-1].astype(np.float64)), gamma[at[:, 0], at[:, 1]]])
-    around = ~mask[np.round(nodes[:, 1]).astype(int), np.round(nodes[:, 0]).astype(int)]
-    beside = np.column_stack([transform_points(to_full, nodes[around, :2]), nodes[around, 2]])
+    beside = nodes[~mask_at(mask, at_nodes)]
     weight = np.concatenate([np.ones(len(scene)), np.full(len(beside), AROUND_WEIGHT)])
     scene = np.concatenate([scene, beside])
     seen = np.ones(len(scene), np.int64)
