@@ -3,24 +3,18 @@
 With the reference and another hidden through the first pose the other two were 42 times their best plane's error off.
 """
 
-from contextlib import closing
 from fractions import Fraction
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
+from solved_recordings import ratios, solved
 
 from mcsl_core.alignment.observations import SolvedPose
-from mcsl_core.alignment.pose_solver import PoseSolver
-from mcsl_core.alignment.poses import solve_poses
-from mcsl_core.alignment.settings import SolveSettings
-from mcsl_core.edl import Camera, Media, Movement
-from mcsl_core.hooks.registry import discover
+from mcsl_core.edl import Movement
 from mcsl_core.progress import Silent
-from mcsl_core.recording.footage import Footage
-from mcsl_core.recording.sample_store import SampleStore
-from mcsl_core.simulation import Scenario, Truth, alignment_error, best_plane_error, simulate
+from mcsl_core.simulation import Scenario, Truth, simulate
 from mcsl_core.timing import FrameRange
 
 MOVE = FrameRange(50, 60)
@@ -64,28 +58,10 @@ def behind_a_head(path: Path, to: Path, hidden: range) -> None:
     writer.release()
 
 
-def solved(folder: Path, plain: Path, hidden: dict[str, range]) -> list[SolvedPose]:
-    cameras = []
+def solved_behind(folder: Path, plain: Path, hidden: dict[str, range]) -> list[SolvedPose]:
     for name in SCENARIO.camera_names:
         behind_a_head(plain / f"{name}.mp4", folder / f"{name}.mp4", hidden.get(name, range(0)))
-        cameras.append(Camera(name, (Media(f"{name}.mp4", FRAMES),), SCENARIO.size, SCENARIO.rate))
-    offers = discover()
-    solver = PoseSolver(
-        dict.fromkeys(SCENARIO.camera_names, SCENARIO.size),
-        "cam1",
-        offers.choose("matcher", None).checked,
-        offers.choose("aligner", None).checked,
-        SolveSettings(),
-    )
-    footage = Footage(cameras, rate=SCENARIO.rate, frames=FRAMES, base=folder)
-    with closing(SampleStore.record(footage, folder / "samples", Silent())) as samples:
-        return solve_poses(solver, samples, [Movement(MOVE)], FRAMES, Silent())
-
-
-def ratios(truth: Truth, pose: SolvedPose, number: int) -> dict[str, float]:
-    """Each camera's error over the field, in its best plane's."""
-    planes = {name: np.array(h) for name, h in pose.pose.homographies.items() if name != "cam1"}
-    return {n: alignment_error(truth, number, n, h) / best_plane_error(truth, number, n) for n, h in planes.items()}
+    return solved(folder, SCENARIO, FRAMES, [Movement(MOVE)])
 
 
 @pytest.mark.slow
@@ -95,7 +71,7 @@ def test_a_camera_hidden_through_one_pose_is_known_by_the_other(
 ) -> None:
     folder, truth = plain
     frames = (range(55), range(55, FRAMES))[number]
-    poses = solved(tmp_path, folder, dict.fromkeys(hidden.split(), frames))
+    poses = solved_behind(tmp_path, folder, dict.fromkeys(hidden.split(), frames))
     for k, pose in enumerate(poses):
         assert not pose.pose.weak
         found = ratios(truth, pose, k)

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+from pathlib import Path
+
 import cv2
 import numpy as np
 import pytest
 from attrs import evolve
 from hand_over_slope import HAND, HIGH, PROJECTIONS, SIZE, slope, under_hand
+from solved_recordings import ratios
+from solved_recordings import solved as solved_films
 
 from mcsl_core.alignment.aligned_views import AlignedPose
 from mcsl_core.alignment.joint import JointPlane
@@ -15,6 +20,8 @@ from mcsl_core.alignment.planes_under_hands import with_planes_under_hands
 from mcsl_core.alignment.relief.pose_relief import PoseRelief
 from mcsl_core.edl import Pose
 from mcsl_core.imaging.geometry import Array, inverse, project, to_edl_matrix, transform_points
+from mcsl_core.progress import Silent
+from mcsl_core.simulation import Scenario, simulate
 from mcsl_core.timing import FrameRange
 
 ALIGNED = (480, 270)
@@ -108,3 +115,27 @@ def test_planes_stay_where_they_would_lose_a_camera() -> None:
     nowhere = evolve(relief.scene.cameras["c"], projection=np.array([[0, 0, 9.0, 0], [0, 0, 9.0, 0], [0, 0, 1.0, 0]]))
     blind = evolve(relief, scene=evolve(relief.scene, cameras={**relief.scene.cameras, "c": nowhere}))
     assert with_planes_under_hands(pose, blind, JointPlane()) is pose
+
+
+@pytest.mark.slow
+def test_under_hands_that_rest_all_the_while_planes_are_nearly_the_best_ones(tmp_path: Path) -> None:
+    """By the matches alone they were 2.0 to 2.3 times as far off as the best planes, and are 1.1 to 1.3 times."""
+    scenario = Scenario(
+        seed=501,
+        families=("resting-hand",),
+        duration_s=16,
+        size=(480, 270),
+        rate=Fraction(2),
+        movements=0,
+        clock_offset_s=0,
+        drift_ppm=0,
+        audio=False,
+    )
+    truth = simulate(scenario, tmp_path, Silent())
+    (pose,) = solved_films(tmp_path, scenario, truth.frames, relief=True)
+    found = ratios(truth, pose, 0)
+    assert set(found) == set(truth.cameras) - {truth.reference}
+    assert np.mean(list(found.values())) < 1.3
+    assert max(found.values()) < 1.5, found
+    assert all(mask.mean() > 0.04 for mask in pose.aligned.hands.values()), "hands are seen in every view"
+    assert pose.aligned.hands.keys() == set(truth.cameras)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from mcsl_core.edl import Relief
 from mcsl_core.imaging.geometry import depths, inverse, project, transform_points, translation
 from mcsl_core.imaging.rect import Rect
-from mcsl_core.imaging.relief import STEEPEST, Placement, ReliefMap, surface_field
+from mcsl_core.imaging.relief import STEEPEST, Placement, ReliefMap, between_nodes, node_pixels, surface_field
 from mcsl_core.imaging.warp import warp_field_maps
 
 SIZE = (960, 540)
@@ -147,3 +147,10 @@ def test_what_lies_behind_a_camera_has_no_place():
     assert (depths(behind, np.column_stack([at, gamma])) < 0).sum() > 100
     assert off[gamma > 5].max() < 0.05
     assert np.isnan(place().to_camera(np.array([[np.nan, 3.0]]))).any()
+
+
+def test_nodes_reach_from_the_first_to_the_last_pixel_centre() -> None:
+    values = np.random.default_rng(4).normal(size=(5, 8, 2))
+    pixels = node_pixels((5, 8), (960, 540))
+    assert pixels[[0, 7, -1]].tolist() == [[0, 0], [959, 0], [959, 539]]
+    np.testing.assert_allclose(between_nodes(values, (960, 540), pixels), values.reshape(-1, 2), atol=1e-9)
