@@ -147,7 +147,9 @@ def movement_over(edl: Edl, part: FrameRange) -> list[Any]:
         if views and views[0].frame < part.stop and part.start <= views[-1].frame:
             middle = (movement.range.start + movement.range.stop) // 2
             beside = [edl.pose_at(max(0, middle - 1)), edl.pose_at(min(middle, edl.frames - 1))]
-            goes_over = [[p.colour, p.relief and [p.relief.gamma, p.relief.confidence]] for p in beside]
+            colours = [{name: colour.matrix for name, colour in pose.colour.items()} for pose in beside]
+            reliefs = [pose.relief and [pose.relief.gamma, pose.relief.confidence] for pose in beside]
+            goes_over = list(zip(colours, reliefs, strict=True))
             found.append([[[v.frame, v.homographies, v.projections] for v in views], goes_over])
     return found
 

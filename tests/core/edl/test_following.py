@@ -9,7 +9,9 @@ import pytest
 from builders import small_edl
 
 from mcsl_core import edl as edls
-from mcsl_core.edl import Clock, Movement, MovementView, Relief
+from mcsl_core.documents import canonical_json
+from mcsl_core.edl import Clock, Colour, Movement, MovementView, Relief
+from mcsl_core.edl.dependencies import movement_over
 from mcsl_core.edl.following import followed_movement, placed_pose, shown_at
 from mcsl_core.edl.placement import placement_matrix
 from mcsl_core.errors import DocumentError, Fault
@@ -74,6 +76,20 @@ def test_relief_goes_over_from_pose_to_pose() -> None:
     assert [r.gamma[0][0] for r in heights if r is not None] == pytest.approx([0, 1, 2])
     assert heights[1] is not None
     assert heights[1].confidence == ((80,) * 3,) * 2
+
+
+def test_what_pictures_depend_on_while_the_lamp_moves_can_be_written_down() -> None:
+    """With colours and reliefs, as every analysis has them: keys of conformed pictures are hashes of it."""
+    seen = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))
+    relief = Relief({"cam1": seen}, ((0.5,) * 3,) * 2, ((80,) * 3,) * 2)
+    grey = Colour(((0.9, 0.0, 0.0, 2.0), (0.0, 0.9, 0.0, 2.0), (0.0, 0.0, 0.9, 2.0)))
+    edl = moving()
+    told = [canonical_json(movement_over(edl, FrameRange(115, 200)))]
+    for changed in ({"colour": {"cam2": grey}}, {"relief": relief}):
+        poses = tuple(attrs.evolve(pose, **changed) for pose in edl.poses)
+        told.append(canonical_json(movement_over(attrs.evolve(edl, poses=poses), FrameRange(115, 200))))
+    assert len(set(told)) == 3
+    assert movement_over(edl, FrameRange(0, 98)) == movement_over(edl, FrameRange(123, 300)) == []
 
 
 def test_views_are_kept_by_the_document(tmp_path) -> None:
