@@ -1,8 +1,8 @@
 """How every camera sees the relief: plane + parallax, by bundle adjustment over the matches of all pairs.
 
 A scene point is its pixel (x, y) in the reference camera and its parallax gamma. A camera sees it at
-``P [x, y, 1, gamma]`` (homogeneous); P is its (3, 4) *projection*, the reference's [I | 0]. All cameras vote on one
-number, which no pair of them could do alone. Within, lengths are half widths of the pictures about their middles.
+``P [x, y, 1, gamma]`` (homogeneous); P is its (3, 4) *projection*, the reference's [I | 0]. All cameras determine one
+gamma a point together. Inside this module lengths are half widths of the pictures about their middles.
 
 References
 ----------
@@ -26,8 +26,8 @@ from ..correspondences import Pairs
 _SCALES = tuple(np.geomspace(6, 0.5, 9) * 2 / 960)  # of the loss: what is farther off counts less and less
 _STEPS = 4  # at each
 _AGREES = 1.5 * 2 / 960  # a match lies where the projections say
-_MOST = 500  # matches of two cameras without the reference: they tie, the reference's say where things lie
-_FAR = 0.1  # a pair's parallax counts for its sign and no more beyond so many half widths, while it is guessed
+_MOST = 500  # matches of a pair without the reference: enough to tie it, as they say little of where points lie
+_FAR = 0.1  # half widths of parallax from which a match counts for its direction alone in the first guess
 
 
 @frozen(eq=False)
@@ -64,7 +64,7 @@ class ReliefCameras:
     residual_px : mapping of str to float
         Median distance of a camera's matches from where its projection has them, in its full-size pixels.
     matches : mapping of str to int
-        How many steady places tie a camera; 0 where another pose told how it lies.
+        How many steady places tie a camera; 0 where it is placed by another pose's rig.
     """
 
     projections: Mapping[str, Array]
@@ -151,7 +151,7 @@ def solve_cameras(tracks: Tracks, start: Mapping[str, Array], sizes: Mapping[str
 def locate(
     tracks: Tracks, projections: Mapping[str, Array], sizes: Mapping[str, tuple[int, int]], least: int = 2
 ) -> ReliefCameras:
-    """Where the points lie that cameras of known projections see.
+    """Triangulates the points that cameras of known projections see.
 
     Parameters
     ----------
@@ -185,7 +185,7 @@ def locate(
 def confirmed(
     tracks: Tracks, projections: Mapping[str, Array], sizes: Mapping[str, tuple[int, int]]
 ) -> dict[str, tuple[int, float]]:
-    """How far each camera sees the points where the others say.
+    """How well each camera fits points that are triangulated without it.
 
     Parameters
     ----------
@@ -216,9 +216,9 @@ def confirmed(
 
 
 def disagreement(tracks: Tracks, projections: Mapping[str, Array], sizes: Mapping[str, tuple[int, int]]) -> float:
-    """How little the matches agree with known projections, 0..1, wherever the points lie; ``tracks`` etc.: `locate`'s.
+    """How far matches are from known projections, 0..1, their points triangulated; parameters as `locate`'s.
 
-    Geman-McClure's loss in the mean: half of it is what a match has that lies off by 1.5 px of 960.
+    The mean of Geman-McClure's loss, which is 0.5 of a match that lies off by 1.5 px of 960.
     """
     if not len(tracks.seen):
         return 1.0

@@ -21,12 +21,12 @@ Field = NDArray[np.float32]
 # One of each two opposite neighbours of a 7x7 window: the other says the same, shifted.
 _CENSUS = tuple((dy, dx) for dy in range(4) for dx in range(-3, 4) if (dy, dx) > (0, 0))
 _RADIUS = 3
-_BOX = 5
-_LEAST_PAIRS = 0.2
-_ALIKE = 0.4  # share of comparisons below which two cameras agree at all
-_DIFFERS = 0.08  # so much more than the nearest camera one may differ and still be heard in part
-_UNKNOWN = 5.0  # weight of pairs that would say nothing: few pairs are not sure
-_FINEST = 1.4  # a picture's columns for one of the working picture's: what lies between two pixels would only be noise
+_BOX = 5  # pixels a side, over which comparisons are averaged
+_LEAST_PAIRS = 0.2  # weight of a pair of cameras below which it says nothing
+_ALIKE = 0.4  # share of comparisons that differ, below which two cameras agree at all
+_DIFFERS = 0.08  # a camera that differs by so much more than the nearest one counts 1/e
+_UNKNOWN = 5.0  # weight of imagined pairs of random pictures: so few real pairs give no low cost
+_FINEST = 1.4  # a picture's columns over the working picture's, at most: finer detail is only noise there
 RANDOM = 0.5
 """The cost of pictures that have nothing to do with each other; 0 is perfect."""
 

@@ -27,8 +27,8 @@ from .resting_hands import foreign_share, without_resting_hands
 from .tying import tie_scene
 
 _GROUPS = 3  # of moments: a hand that rests in one of them is outvoted
-_ABOUT = 0.15  # widths about the middle, where the cameras aim: there the base plane lies in the scene
-_BEFORE = " before"  # what a camera of the pose before is called
+_ABOUT = 0.15  # widths about the picture's middle, where the cameras aim: there gamma 0 is laid through the scene
+_BEFORE = " before"  # appended to the names of the cameras of the pose before
 
 
 def estimate_relief(
@@ -39,7 +39,7 @@ def estimate_relief(
     before: PoseRelief | None,
     field: Mask | None = None,
 ) -> PoseRelief | None:
-    """Has the surface of a pose estimated.
+    """Has an estimator find the surface of a pose, and takes hands that rest off it.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def _at_nodes(field: Mask, shape: tuple[int, ...], to_programme: Array, size: tu
 def _scene(
     cameras: ReliefCameras, views: Views, to_programme: Mapping[str, Array], foreign: Mapping[str, ForeignColours]
 ) -> ReliefScene:
-    """What is known over the pixels of the pose's reference camera; planes over programme pixels."""
+    """The pose's scene over pixels of its reference camera, its planes over programme pixels."""
     count = len(views.samples)
     groups = [slice(g * count // _GROUPS, (g + 1) * count // _GROUPS) for g in range(_GROUPS)]
     made: dict[str, ReliefCamera] = {}

@@ -1,6 +1,6 @@
-"""What is no part of the scene though it rests: it has the colours of what comes and goes before it.
+"""Foreign colours: where a steady picture has those of what comes and goes before it, gloves and sleeves.
 
-A hand that rests all through a pose is as steady as the patient. It is of the gloves and sleeves that pass beside it.
+A hand that rests all through a pose is as steady as the patient; its colours tell it apart.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _PASSES = 16  # grey levels of 255 that a sample is off the steady picture where
 # foreign. Tan gloves on a tan limb have 0.5, the limb and its drapes 0.2 to 0.3; a table beside it 0.7, but lies flat.
 _SURE, _LIKELY = 0.6, 0.45
 _MOST = 0.5  # of the field: where more would be foreign colours tell nothing, as of bare hands
-_ROUNDS = 2  # what was found foreign is no part of the scene's colours
+_ROUNDS = 2  # of counting: in the second, what the first found foreign no longer counts as the scene's
 
 
 @frozen(eq=False)
@@ -96,7 +96,7 @@ def foreign_colours(
 
 @frozen(eq=False)
 class _Seen:
-    """bins: (h, w), the steady picture's colours. steady, field: (h, w). coming: how often what passes has which."""
+    """One camera's. bins: (h, w), of the steady picture. steady, field: (h, w). coming: of what passes, by bin."""
 
     bins: NDArray[np.int32]
     steady: Mask

@@ -1,4 +1,8 @@
-"""Matches of all pairs of cameras over the whole picture, the views laid over each other by plane, then by relief."""
+"""Dense matches of all pairs of cameras over the whole picture, and the cameras' projections by them.
+
+Views are laid over each other by their planes, then by the relief found so. Where a pose's own matches tie a camera by
+little, the rig of another pose starts it, or places it.
+"""
 
 from __future__ import annotations
 
@@ -23,24 +27,29 @@ from .interpolation import gamma_map
 from .rig import Rig, helpful, moved_rig, zoomed_rig
 
 WIDTH = 480  # columns of the views that are matched: more found no more, and took its time
-BY_PLANE = DenseSettings(grid_px=6, other_hue=0.0, reach=0.05)  # a relief may lead so far ...
-BY_RELIEF = DenseSettings(grid_px=6, other_hue=0.0, reach=0.02)  # ... and what is left of it so far
+BY_PLANE = DenseSettings(grid_px=6, other_hue=0.0, reach=0.05)  # views laid by planes: a relief shifts them so far
+BY_RELIEF = DenseSettings(grid_px=6, other_hue=0.0, reach=0.02)  # laid by the relief: what that leaves
 _CLOSELY = attrs.evolve(BY_RELIEF, grid_px=4)  # over the field alone
-_LEAST = 150  # matches of a camera: with fewer it spoils itself and the others
-# Of 20 points and more that others agree on, cameras that were tied saw 0.83 and more where those said (0.97 as a
-# rule); where a head before the reference had tied them by chance there were no such points, or 0.57 to 0.67.
+_LEAST = 150  # matches that a camera needs: with fewer its projection is wrong, and bends the others'
+# A camera is judged by points that two others agree on without it (`confirmed`): so many there must be, and it must
+# see such a share of them where the others say. Right cameras saw 0.83 and more (0.97 as a rule); of those that were
+# tied by chance, where a head hid the field from the reference, there were no such points, or they saw 0.57 to 0.67.
 _JUDGED, _RIGHT = 20, 0.75
-_RATHER = 0.6  # laid by planes 20 px off, a limb's cameras saw 0.70 there; by the relief found so they are judged again
-_PLENTY = 1200  # with fewer its single samples are matched as well
-_SAMPLES = 12
-# Hands may work all over the field all the while: of a pose with 0 of the middle covered by what is steady the planes
-# were 2 to 11 times the best one's error, by single samples as well 1.3. Elsewhere 0.48 and more was covered, and those
-# brought in hands: 1.03 became 1.2.
+# The share in the first pass, laid by planes: where these were 20 px off, right cameras saw 0.70 of a limb. The second
+# pass, laid by the relief, judges them once more.
+_RIGHT_AT_FIRST = 0.6
+_PLENTY = 1200  # matches of a camera's steady view; with fewer single samples are matched as well
+_SAMPLES = 12  # of those, spread over the pose
+# The share of the picture's middle that steady matches cover, below which single samples are matched as well. Where
+# hands work all over the field all the while it is 0: planes were 2 to 11 times the best one's error, with single
+# samples 1.3. Other poses had 0.48 and more, where single samples brought in hands: 1.03 became 1.2.
 _LEAST_COVERED = 0.25
-_AIM = 0.15  # of the width
-_FEW_SEEN = 0.15  # of the field in common with the reference; it had 0.3 to 0.9 where no head hid it all the while
-FIELD_POINTS = 1500  # a grid over the field, for its planes
-_AROUND_PX, AROUND_WEIGHT = 16, 1e-4  # their area is fifty times the field's
+_AIM = 0.15  # of the width: the middle's radius, where it counts 1/e
+# The share of the field's grid that is matched with the reference, below which other cameras are matched with each
+# other: 0.3 to 0.9 where no head hid the field from the reference all the while.
+_FEW_SEEN = 0.15
+FIELD_POINTS = 1500  # of a grid over the field, for its planes
+_AROUND_PX, AROUND_WEIGHT = 16, 1e-4  # of the grid outside the field, whose area is fifty times the field's
 
 
 @frozen(eq=False)
@@ -107,8 +116,8 @@ def relief_cameras(views: Views, homographies: Mapping[str, Array], rigs: Sequen
 def _by_planes(
     by_plane: _Matches, names: Sequence[str], views: Views, homographies: Mapping[str, Array]
 ) -> ReliefCameras | None:
-    """As the planes start them, laid by what is found once more."""
-    found = _solved(by_plane, names, views, homographies, _RATHER)
+    """Found from planes: matched as these lay the views, then as the relief found so does."""
+    found = _solved(by_plane, names, views, homographies, _RIGHT_AT_FIRST)
     if found is None:
         return None
     kept = list(found.projections)
@@ -123,9 +132,10 @@ def _by_planes(
 
 
 def _planes_of(cameras: ReliefCameras) -> dict[str, Array]:
-    """The plane in the middle of the points: camera -> full-size camera pixel -> reference pixel.
+    """The scene's plane at the median gamma: camera -> full-size camera pixel -> reference pixel.
 
-    With the reference hidden planes by points were 20 px off, and led astray what had been found with fewer matches.
+    A second start for the second pass: where a head hid the field from the reference, planes by distinctive points were
+    20 px off, and from them the many matches of that pass ended in a worse minimum than the few of the first.
     """
     level = float(np.median(cameras.points[:, 2]))
     lifted = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, level]])
@@ -133,14 +143,14 @@ def _planes_of(cameras: ReliefCameras) -> dict[str, Array]:
 
 
 def _by_rig(found: ReliefCameras | None, by_plane: _Matches, rig: Rig, views: Views) -> ReliefCameras | None:
-    """As a rig starts them; of cameras that show little what it tells.
+    """Found from another pose's rig; cameras that match too little are placed by it alone.
 
-    With the reference's field behind a head all the while its drapes alone tie it, planes lay nothing near enough to be
-    matched and cameras were 3.5 px of 960 off or left out; started by the rig of another pose 0.1.
+    Where a head hides the field from the reference all the while only drapes tie it: planes lay views too far off to be
+    matched, and cameras were 3.5 px of 960 off or left out. Started by the rig of another pose they are 0.1 off.
     """
     names = [n for n in rig.projections if n == views.reference or views.steady.get(n) is not None]
     zoomed, matches = zoomed_rig(rig.projections, tracks_of(by_plane.all, names), views.sizes), by_plane
-    if zoomed is None:  # heads alone may match where they are all that is seen, and lead planes anywhere
+    if zoomed is None:  # planes may be tied by nothing but heads: match anew, laid by the rig
         laid = _laid_on(np.zeros(views.size[::-1], np.float32), rig.projections, views)
         matches = _matched(views, {name: laid[name] for name in names}, BY_PLANE)
         zoomed = zoomed_rig(rig.projections, tracks_of(matches.all, names), views.sizes)
@@ -162,7 +172,7 @@ def _by_rig(found: ReliefCameras | None, by_plane: _Matches, rig: Rig, views: Vi
 
 
 def _with_rigs(cameras: ReliefCameras, rig: Mapping[str, Array], views: Views) -> ReliefCameras:
-    """The same, and of cameras that share too little what the rig tells, in terms of those that many places tie."""
+    """The same with the cameras that it lacks, as the rig has them: moved by those of both that many places tie."""
     names = Rig.of(cameras).sure() | {views.reference}
     sure = {name: p for name, p in cameras.projections.items() if name in names}
     moved = moved_rig(rig, sure, cameras.points, views.reference, views.sizes)
@@ -187,14 +197,14 @@ def _laid_on(gamma: NDArray[np.float32], projections: Mapping[str, Array], views
 
 @frozen(eq=False)
 class _Matches:
-    """steady: by what stays, as far as there is any. all: with those of single samples, hands and heads among them."""
+    """steady: of steady views, if they cover enough. all: with those of single samples, hands and heads among them."""
 
     steady: Pairs
     all: Pairs
 
 
 def _matched(views: Views, laid: Mapping[str, Array], settings: DenseSettings) -> _Matches:
-    """By steady views; where these tie a camera or show the middle by little also by single samples that agree."""
+    """Matches of steady views, and of single samples where steady ones are few of a camera or in the middle."""
     width, height = views.size
     maps: dict[str, NDArray[np.float32]] = {
         n: at.reshape(height, width, 2).astype(np.float32) for n, at in laid.items()
@@ -249,7 +259,7 @@ def _joined(first: Correspondences, second: Correspondences) -> Correspondences:
 def _solved(
     found: _Matches, names: Sequence[str], views: Views, start: Mapping[str, Array], least: float = _RIGHT
 ) -> ReliefCameras | None:
-    """By those cameras that share enough with the others."""
+    """Solves the cameras; those with too few matches, or that the others do not confirm, are dropped one by one."""
     names = list(names)
     while True:
         tracks: Tracks = tracks_of(found.all, names)
@@ -268,12 +278,12 @@ def _solved(
             return None
         names.remove(poorest)
     steady = {pair: matches for pair, matches in found.steady.items() if set(names).issuperset(pair)}
-    # What the reference does not see only two cameras do, as a rule: where they lie is a word without a witness.
+    # Points that the reference does not see are seen by two cameras, as a rule: no third confirms where they lie.
     own = {pair: matches for pair, matches in steady.items() if pair[0] == names[0]}
     located = locate(tracks_of(own, names), projections, views.sizes)
     if len(located.points) < _LEAST:
         return None
-    # Not 0: so many have those that another pose tells of.
+    # 1 at least: 0 marks a camera that another pose's rig has placed.
     return attrs.evolve(located, matches={n: max(1, k) for n, k in tracks_of(steady, names).counted().items()})
 
 
@@ -319,7 +329,7 @@ def field_pairs(cameras: ReliefCameras, field: Mask, views: Views) -> Pairs:
 
 
 def _field_surface(cameras: ReliefCameras, mask: Mask, views: Views) -> NDArray[np.float32]:
-    """Gamma at every pixel of the reduced reference picture, for the field: found, and matched once more laid by it."""
+    """Gamma at every pixel of the reduced reference picture, for the field; matched anew as a first surface lays it."""
     to_views = scaling(views.sizes[views.reference], views.size)
     rows, columns = np.nonzero(mask)
     middle = transform_points(inverse(to_views), np.array([[columns.mean(), rows.mean()]]))[0]
@@ -330,10 +340,10 @@ def _field_surface(cameras: ReliefCameras, mask: Mask, views: Views) -> NDArray[
 
 
 def _seen_again(cameras: ReliefCameras, gamma: NDArray[np.float32], mask: Mask, views: Views) -> Array:
-    """(N, 3) points of the field as the cameras have them, laid by a surface.
+    """(N, 3) points of the field that cameras agree on, matched as a surface lays their views.
 
-    Where a place is in the shadow of arms it is not steady, and yet what it shows most of the time is the field: that
-    is believed where three cameras agree.
+    In the shadow of arms a place is not steady, yet what it shows most of the time is the field: that counts where
+    three cameras agree.
     """
     width, height = views.size
     area = cv2.dilate(mask.astype(np.uint8), np.ones((9, 9), np.uint8)) > 0

@@ -32,17 +32,18 @@ _PULL = 3e-4  # towards the plane
 _STANDS = 4.0  # pixels of 960 above the ground
 _WIDE, _EDGE = 5, 2  # nodes of 96 that a hand is wide at least; a wound's rim is not, and is cut off where they meet
 _FEWEST = 12  # nodes either way, with fewer nothing is told
-_SEEN = 0.05  # confidence, from which a height is one
-_COLOURED = 0.3  # share of cameras from which a node is no ground
-# Of a piece, its share of foreign colours times its height in pixels of 960: hands had 2.1 (bloody ones, sleeves out
-# of the picture) to 20, limbs, rims and folds 0 to 1.3.
+_SEEN = 0.05  # confidence from which a node's height counts
+_COLOURED = 0.3  # share of cameras that see sure foreign colours from which a node is no ground
+# A piece's share of sure foreign colours times its height in pixels of 960: hands had 2.1 (bloody ones, sleeves out of
+# the picture) to 20, limbs, rims and folds 0 to 1.3.
 _HAND = 1.7
 _MOST = 0.5  # of the field; hands alone covered 0.28 at most
 # Tan gloves on a tan limb: half of the cameras see likely colours, and it stands higher than a rim or a fold, in pixels
 # of 960.
 _HALF, _HIGH = 0.5, 10.0
 _UNDER = Plate(pull=1e-5)  # by the usual pull it sags to the plane within a hand's width
-_REACH, _FULL = 4.0, 0.15  # nodes; mean confidence about a node from which the ground is carried on there
+# Under a hand the surface is half sure where the mean confidence about a node, over such a sigma in nodes, is so high.
+_REACH, _FULL = 4.0, 0.15
 
 
 @frozen(eq=False)

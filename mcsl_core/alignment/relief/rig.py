@@ -1,10 +1,11 @@
 """The rig is rigid: how its cameras lie to each other in one pose says how they lie in another.
 
-A lamp's cameras zoom by one knob, about the middles of their pictures; a zoom of 1 % that is not reckoned with leaves 2
-px of 960. Beside it projections are known but for the plane and the scale of gamma, so a pose's are another's but for
-five numbers: ``P' = S_k(z) P S_ref(z)^-1 [[I, 0], [m, s]]``, each up to a factor. Of these the pictures see only z, by
-which places match wherever the scene points lie: it alone says how a pose's cameras lie that no plane ties. m and s are
-fitted to cameras that both poses know well, and tell in this pose's terms where one lies that a head hid all the while.
+Projections are known but for the plane that gamma counts from and its scale; and a lamp's cameras zoom by one knob,
+about the middles of their pictures (1 % of zoom that is not allowed for leaves 2 px of 960). So the projections of
+two poses differ by five numbers, ``P' = S_k(z) P S_ref(z)^-1 [[I, 0], [m, s]]`` up to a factor each: the zoom z, the
+plane m (three) and the scale s. Only z changes which pixels of two cameras can show one point: `zoomed_rig` fits it
+to matches alone, before any camera is known. m and s are a choice of coordinates: `moved_rig` fits them to cameras
+that both poses know well, and so has a camera that a head hid through one pose in that pose's coordinates.
 """
 
 from __future__ import annotations
@@ -19,12 +20,12 @@ from mcsl_core.imaging.geometry import Array, project
 
 from .cameras import ReliefCameras, Tracks, disagreement
 
-_FITS = 1.0 / 960  # of the width: medians of the cameras that both know
-_SURE = 600  # places
-_LEAST = 2  # cameras beside the reference
+_FITS = 1.0 / 960  # of the width: how far off the cameras that both know may lie, medians
+_SURE = 600  # steady places from which a camera's projection is relied on
+_LEAST = 2  # cameras that both know, beside the reference
 _ZOOMS = np.geomspace(0.7, 1.4, 15)  # a lamp's from pose to pose; the loss has one valley, some 10 % wide
-_TRACKS = 600  # more told the zoom no better
-_AGREED = 0.7  # loss of the matches by the best zoom, to that by any: 0.1 to 0.65; by a rig that was bent 0.95 and more
+_TRACKS = 600  # points that the zoom is fitted to; more fitted it no better
+_AGREED = 0.7  # the best zoom's loss over the median of all: 0.1 to 0.65 of one rig, 0.95 and more where it was bent
 
 
 @frozen(eq=False)
@@ -36,7 +37,7 @@ class Rig:
     projections : mapping of str to (3, 4) array
         As `ReliefCameras` has them.
     matches : mapping of str to int
-        How many steady places tie a camera; 0 where another pose told how it lies.
+        How many steady places tie a camera; 0 where it is placed by another pose's rig.
     """
 
     projections: Mapping[str, Array]
@@ -44,20 +45,20 @@ class Rig:
 
     @classmethod
     def of(cls, cameras: ReliefCameras | None) -> Rig:
-        """As a pose's cameras were found; knowing none without."""
+        """Of a pose's cameras; empty without."""
         return cls({}, {}) if cameras is None else cls(cameras.projections, cameras.matches)
 
     def sure(self) -> set[str]:
-        """The cameras that many places tie: another pose's rig has nothing to tell of them."""
+        """The cameras that many places tie, whose projections are relied on."""
         return {name for name, count in self.matches.items() if count >= _SURE}
 
     def transferred(self) -> set[str]:
-        """The cameras that another pose told of."""
+        """The cameras that are placed by another pose's rig."""
         return {name for name, count in self.matches.items() if count == 0}
 
 
 def helpful(rigs: Sequence[Rig], unsure: Collection[str]) -> Rig | None:
-    """Of the rigs that are sure of some of these cameras the one that is of most, by most places; None without."""
+    """Of the rigs that are sure of any of these cameras the one that is sure of most, then by most places; or None."""
     able = [rig for rig in rigs if rig.sure() & set(unsure)]
     return max(able, key=lambda rig: (len(rig.sure() & set(unsure)), sum(rig.matches.values())), default=None)
 

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from .cost_volume import Field, SweptCamera
 
 _BLOCK = 9  # working pixels of some 240 columns
-_CONTRAST = 3.0  # grey levels, standard deviation of a block that can be told from others
-_SHOWN = 0.9  # of a block must be steady in both
-_ENOUGH = 20  # blocks
-_WORSE = 3.0  # standard errors that the mean must lie below 0
-_CLEARLY = 0.01  # of correlation, by which it must in any case
+_CONTRAST = 3.0  # grey levels: least standard deviation of a block that is compared
+_SHOWN = 0.9  # share of a block that must be steady in both pictures
+_ENOUGH = 20  # blocks that a camera is judged by, at least
+# A camera is served worse if its mean gain in correlation lies so many standard errors below 0, and so far at least.
+_WORSE, _CLEARLY = 3.0, 0.01
 
 
 def unserved(cameras: Mapping[str, SweptCamera], gamma: Field) -> str | None:
@@ -63,7 +63,7 @@ def _commonest(camera: SweptCamera, gamma: Field, matrix: Field) -> tuple[Field,
 
 
 def _correlation(a: tuple[Field, Field], b: tuple[Field, Field]) -> tuple[Field, NDArray[np.bool_]]:
-    """Per block the correlation of two pictures, and where it can be told."""
+    """Per block the correlation of two pictures, and whether both show enough there to compare."""
     (p, shown_p), (q, shown_q) = a, b
 
     def mean(values: Field) -> Field:
@@ -74,5 +74,5 @@ def _correlation(a: tuple[Field, Field], b: tuple[Field, Field]) -> tuple[Field,
     spread_p = np.sqrt(np.maximum(mean(p * p) - mean_p**2, 0))
     spread_q = np.sqrt(np.maximum(mean(q * q) - mean_q**2, 0))
     alike = (mean(p * q) - mean_p * mean_q) / np.maximum(spread_p * spread_q, 1e-6)
-    told = (mean(shown_p * shown_q) > _SHOWN) & (np.minimum(spread_p, spread_q) > _CONTRAST)
-    return alike.astype(np.float32), told
+    comparable = (mean(shown_p * shown_q) > _SHOWN) & (np.minimum(spread_p, spread_q) > _CONTRAST)
+    return alike.astype(np.float32), comparable

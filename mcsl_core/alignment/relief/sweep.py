@@ -21,17 +21,16 @@ from .thin_plate import Nodes, Plate
 
 _COLUMNS = 96
 _STEP_COST, _JUMP_COST = 0.03, 2.0  # of costs of 0..0.5, for a step of half a working pixel and for any larger
-# What a measurement is worth: by its cost, by how sharply that rises beside it, by the weight of its pairs, by how far
-# the best level is better than the mean of all.
+# What a measurement is worth, 0..1, is a product: of its cost, ...
 _ALIKE = 0.25
-_SHARP = 0.02
-_PAIRS = 5.0
-_STANDS_OUT = (0.05, 0.15)
-_LITTLE = 0.03  # a node's mean worth that is half believed: chance reaches 0.01
+_SHARP = 0.02  # ... of how sharply that rises to both sides (the curvature that counts in full), ...
+_PAIRS = 5.0  # ... of the weight of the pairs compared (half at so much), ...
+_STANDS_OUT = (0.05, 0.15)  # ... and of how much better the best level is than the mean of all: from nothing to full.
+_LITTLE = 0.03  # a node's mean worth that counts half: chance reaches 0.01
 _SCALE = 1.0  # of the plate's loss, working pixels
-_SURE = 0.08  # mean worth about a node that is half sure
-_ABOUT = 2.5  # nodes
-_DOUBT = 0.2  # share of the worth below which gamma goes over to the plane
+_SURE = 0.08  # mean worth about a node at which its share is a half; see `_share_of_worth`
+_ABOUT = 2.5  # sigma of that mean, nodes
+_DOUBT = 0.2  # share below which gamma goes over to the plane
 # Share below which the plane is as near. From half way to 1 on the look goes by the relief wholly: there it is off by
 # 1.5 to 2 px rms of 960 where the plane is by 6.5; at 0.6 by 3 to 6, and the plane by 2 to 6.
 _NOT_SURE = 0.5
@@ -191,5 +190,6 @@ def _spread(nodes: Nodes, size: tuple[int, int]) -> Field:
 
 
 def _share_of_worth(worth: Nodes) -> Nodes:
+    """How well a node is supported by the measurements about it, 0..1."""
     around = cv2.GaussianBlur(worth, (0, 0), _ABOUT, borderType=cv2.BORDER_REPLICATE)
     return np.asarray(around / (around + _SURE))

@@ -19,8 +19,10 @@ from .protocol import ReliefCamera, ReliefScene, ReliefSurface
 
 _SCALES = ((6 / 960, 1 / 960), (1 / 960,))  # widths; of each round's loss
 _LEAST = 400  # matches of all cameras
-_FITS = (3.0 / 960, 1.0 / 960)  # of the width, median: laid by planes 12 px off, flow is a pixel off that fits at last
-_TIES = 0.3  # confidence of the surface where it may tie: beside that it is the plane, whatever the scene is
+# How far matches may lie off, median, of the width: laid by planes 12 px off, optical flow errs by a pixel that is gone
+# in the second round.
+_FITS = (3.0 / 960, 1.0 / 960)
+_TIES = 0.3  # confidence of the surface from which it ties: where it has less it may be the plane, and not the scene
 
 
 def tie_scene(before: ReliefScene, surface: ReliefSurface, own: ReliefScene, to_own: Array) -> Array | None:
@@ -120,10 +122,10 @@ def _fitted(
     middle = np.concatenate([points for points, _ in matches.values()])
     wide = np.abs(np.insert(middle, 2, 1.0, axis=1)).mean(axis=0) + 1e-12
     numbers = (start / start[2, 2] * wide).ravel()
-    rest = 10  # of the 16: [2, 2] stays
+    fixed = 10  # of the 16 numbers: [2, 2]
 
     def moved(x: Array) -> Array:
-        return np.insert(x, rest, numbers[rest]).reshape(4, 4) / wide
+        return np.insert(x, fixed, numbers[fixed]).reshape(4, 4) / wide
 
     def off(x: Array) -> Array:
         to_own = moved(x)
@@ -134,7 +136,7 @@ def _fitted(
                 parts.append((project(camera.projection @ to_own, points) - seen).ravel() / camera.size[0])
         return np.concatenate(parts)
 
-    x = np.delete(numbers, rest)
+    x = np.delete(numbers, fixed)
     for scale in scales:
         x = least_squares(off, x, loss="cauchy", f_scale=scale, x_scale="jac", max_nfev=40).x
     left = np.hypot(*off(x).reshape(-1, 2).T)
