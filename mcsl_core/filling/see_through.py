@@ -20,20 +20,23 @@ from collections.abc import Mapping
 import cv2
 import numpy as np
 from attrs import frozen
+from numpy.typing import NDArray
 
 from mcsl_core.imaging.planes import U8
 from mcsl_core.lru_cache import kept
 
-from .visual_hull import Cells, Rays, taken
+from .visual_hull import Cells, Index, Rays, taken
 
 VERSION = 1  # rises when the same frames come out differently: conformed chunks are then made again
 _CHROMA = 1.5  # weight of a code of chroma against one of luma
 _SAME = (8.0, 16.0)  # codes between two cameras' medians: the same, no longer surely
 _ANOTHER = (14.0, 24.0)  # codes: hardly the same any more, another thing; towards the edges a picture is darker
+_ALSO = (0.4, 0.7)  # correlation of what is the same by its codes
 _CORRELATED, _WINDOW, _FLAT = 0.8, 9, 3.0  # luma that goes up and down alike, over so many cells; codes
 _SHARED = 15  # cells: gaps that are closed of what two cameras show now
 _AROUND = 7  # cells: of what is verified together
 _VERIFIED = (0.45, 0.7)  # share of them that must be the same: nothing verified, all
+_FINER = (1.2, 1.6)  # times as much detail: as fine, finer
 _GAPS = 25  # cells: what is verified all about such a gap is the field with a hand over it
 _CHANGED = (8.0, 20.0)  # codes: noise, somebody
 _BLACK = 16  # of luma
@@ -80,7 +83,9 @@ def backgrounds(medians: Mapping[str, Cells], rays: Mapping[str, Rays]) -> dict[
     """
     laid = {name: taken(cells, rays[name].own, np.nan) for name, cells in medians.items()}
     exact = _verified(laid)
-    about = {name: cv2.morphologyEx(v, cv2.MORPH_CLOSE, np.ones((_GAPS, _GAPS), np.uint8)) for name, v in exact.items()}
+    side = np.ones((_GAPS, _GAPS), np.uint8)
+    closed = {n: np.asarray(cv2.morphologyEx(v, cv2.MORPH_CLOSE, side), np.float32) for n, v in exact.items()}
+    about = _undoubted(closed, {name: _detail(cells[..., 0]) for name, cells in laid.items()})
     found = {}
     for name, median in medians.items():
         others = [other for other in medians if other != name]
@@ -101,6 +106,27 @@ def backgrounds(medians: Mapping[str, Cells], rays: Mapping[str, Rays]) -> dict[
     return found
 
 
+def _undoubted(verified: Mapping[str, Cells], detail: Mapping[str, Cells]) -> dict[str, Cells]:
+    """What is verified, but where a camera that contradicts shows more detail: then it may be the only one to see."""
+    found = {}
+    for name, own in verified.items():
+        doubt = np.zeros_like(own)
+        for other in verified:
+            if other != name:
+                more = _ramp(np.asarray(detail[other] / (detail[name] + 0.1), np.float32), *_FINER)
+                doubt = np.maximum(doubt, more * (1 - verified[other]))
+        found[name] = np.asarray(own * (1 - doubt), np.float32)
+    return found
+
+
+def _detail(luma: Cells) -> Cells:
+    """Codes of fine structure, in the surroundings; heads are before the focus."""
+    inside = (~np.isnan(luma)).astype(np.float32)
+    luma = np.nan_to_num(luma)
+    fine = np.asarray(np.abs(luma - _mean(luma, 3)) * _eroded(inside), np.float32)
+    return np.asarray(inside * _mean(fine, _GAPS) / np.maximum(_mean(_eroded(inside), _GAPS), 0.1), np.float32)
+
+
 def _verified(laid: Mapping[str, Cells]) -> dict[str, Cells]:
     """By camera and cell of the programme, 0..1: whether another camera's median shows the same, near by as well."""
     names = list(laid)
@@ -109,9 +135,13 @@ def _verified(laid: Mapping[str, Cells]) -> dict[str, Cells]:
     for i, a in enumerate(names):
         for b in names[:i]:
             both = inside[a] * inside[b]
-            same = np.asarray(_ramp(_apart(laid[a], laid[b]), *_SAME[::-1]) * both, np.float32)
-            share = np.asarray(both * _mean(same, _AROUND) / np.maximum(_mean(both, _AROUND), 0.05), np.float32)
-            share = _ramp(share, *_VERIFIED)
+            alike = _ramp(_apart(laid[a], laid[b]), *_SAME[::-1])
+            correlation, told = _correlation(laid[a][..., 0], laid[b][..., 0])
+            told = np.asarray(told * both, np.float32)
+            same = np.asarray(alike * told * _ramp(correlation, *_ALSO), np.float32)
+            known = _mean(told, _AROUND)
+            share = np.asarray(both * _mean(same, _AROUND) / np.maximum(known, 0.02), np.float32)
+            share = np.asarray(_ramp(share, *_VERIFIED) * _ramp(known, 0.03, 0.1), np.float32)
             found[a], found[b] = np.maximum(found[a], share), np.maximum(found[b], share)
     return found
 
@@ -126,17 +156,22 @@ def _apart(a: Cells, b: Cells) -> Cells:
     return found
 
 
-def _correlation(a: Cells, b: Cells) -> Cells:
-    """-1..1: the local correlation of two luma pictures, whatever their exposure; 0 where one is flat or outside."""
+def _correlation(a: Cells, b: Cells) -> tuple[Cells, Cells]:
+    """-1..1: the local correlation of two luma pictures, whatever their exposure; and where either is not flat, 0 or 1.
+
+    Two caps of one colour, before two cameras, are alike anywhere, but their folds go up and down each in its own way.
+    """
     inside = (~(np.isnan(a) | np.isnan(b))).astype(np.float32)
     share = np.maximum(_mean(inside, _WINDOW), 1e-3)
-    a, b = (_mean(np.nan_to_num(each), 3) * inside for each in (a, b))
+    a, b = (np.asarray(_mean(np.nan_to_num(each), 3) * inside, np.float32) for each in (a, b))
     mean_a, mean_b = _mean(a, _WINDOW) / share, _mean(b, _WINDOW) / share
-    var_a = _mean(a * a, _WINDOW) / share - mean_a**2
-    var_b = _mean(b * b, _WINDOW) / share - mean_b**2
+    var_a = np.maximum(_mean(a * a, _WINDOW) / share - mean_a**2, 0)
+    var_b = np.maximum(_mean(b * b, _WINDOW) / share - mean_b**2, 0)
     both = _mean(a * b, _WINDOW) / share - mean_a * mean_b
-    sure = np.maximum(var_a, 0) * np.maximum(var_b, 0) > _FLAT**4
-    return np.where(sure & (share > 0.5), both / np.sqrt(np.maximum(var_a * var_b, 1e-6)), 0).astype(np.float32)
+    seen = share > 0.5
+    sure = seen & (var_a * var_b > _FLAT**4)
+    found = np.where(sure, both / np.sqrt(np.maximum(var_a * var_b, 1e-6)), 0)
+    return found.astype(np.float32), (seen & (np.maximum(var_a, var_b) > _FLAT**2)).astype(np.float32)
 
 
 def _levelled(cells: Cells, shown: Cells) -> Cells:
@@ -196,7 +231,7 @@ class Moment:
         for name in self.live:
             if name != camera:
                 theirs = taken(self.live[name][..., 0], self.rays[name].own, np.nan)
-                same = np.maximum(same, _correlation(luma, theirs))
+                same = np.maximum(same, _correlation(luma, theirs)[0])
         shared = cv2.morphologyEx((same > _CORRELATED).astype(np.uint8), cv2.MORPH_OPEN, _disc(_GAP))
         shared = cv2.morphologyEx(shared, cv2.MORPH_CLOSE, _disc(_SHARED))
         return np.where(shared > 0, 0, taken(self.changed[camera], own)).astype(np.float32)
@@ -231,6 +266,7 @@ class Moment:
         # What a head leaves open between its parts is its own, but for what may be a hand that comes and goes.
         hidden = taken(self.behind[camera].hidden, self.rays[camera].own)
         found |= _closed(found) & ((changed < 0.5) | (hidden > 0.5) | (stays < 0.5))
+        found = _grown(found, (changed > 0.5) & (hidden > 0.5))
         return np.asarray(cv2.dilate(_filled(found), _disc(_RIM)), np.float32)
 
     @kept
@@ -260,8 +296,7 @@ class Moment:
             if name not in self.live:
                 continue
             at = cells[:, where]
-            low, high = (taken(edge(self.level[name]), at, np.inf) for edge in (_eroded, _dilated))
-            apart = np.nan_to_num(_codes(np.maximum(np.maximum(low - own, own - high), 0)), posinf=99.0)
+            apart = _nearest(own, _mean(self.level[name], 3), at)
             somebody = taken(self._trusted(name), at)
             alike = np.maximum(alike, _ramp(apart, *_ALIKE[::-1]) * somebody)
         return (alike * (1 - second)).max(axis=0)
@@ -293,6 +328,14 @@ def _closed(mask: U8) -> U8:
     return np.asarray(cv2.morphologyEx(wide, cv2.MORPH_CLOSE, _disc(_BAY)), np.uint8)[_BAY:-_BAY, _BAY:-_BAY]
 
 
+def _grown(mask: U8, into: NDArray[np.bool_]) -> U8:
+    """With what hangs together with it there."""
+    where, cross = (into | (mask > 0)).astype(np.uint8), np.ones((3, 3), np.uint8)
+    for _ in range(_BAY):
+        mask = np.asarray(cv2.dilate(mask, cross), np.uint8) & where
+    return mask
+
+
 def _filled(mask: U8) -> U8:
     """Without holes."""
     outlines, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
@@ -313,12 +356,23 @@ def _mean(values: Cells, side: int) -> Cells:
     return np.asarray(cv2.blur(values, (side, side), borderType=cv2.BORDER_REPLICATE), np.float32)
 
 
+def _eroded(values: Cells) -> Cells:
+    return np.asarray(cv2.erode(values, np.ones((3, 3), np.uint8)), np.float32)
+
+
 def _dilated(values: Cells) -> Cells:
     return np.asarray(cv2.dilate(values, np.ones((3, 3), np.uint8)), np.float32)
 
 
-def _eroded(values: Cells) -> Cells:
-    return np.asarray(cv2.erode(values, np.ones((3, 3), np.uint8)), np.float32)
+def _nearest(own: Cells, cells: Cells, at: Index) -> Cells:
+    """Codes by which colours (N, 3) differ from the nearest in or about cells (heights, N) of a picture."""
+    wide = cv2.copyMakeBorder(cells, 1, 1, 1, 1, cv2.BORDER_REPLICATE)
+    rows, columns = cells.shape[:2]
+    found = np.full(at.shape, 99.0, np.float32)
+    for dy, dx in ((1, 1), (0, 1), (2, 1), (1, 0), (1, 2)):
+        near = np.asarray(wide[dy : dy + rows, dx : dx + columns], np.float32)
+        found = np.minimum(found, _codes(taken(near, at, 999.0) - own))
+    return found
 
 
 def _disc(side: int) -> np.ndarray:

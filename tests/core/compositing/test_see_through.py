@@ -82,6 +82,19 @@ def test_where_all_are_covered_the_cover_shows():
     assert np.array_equal(plain.y, seen.y)
 
 
+def test_the_only_camera_that_sees_the_field_keeps_its_picture():
+    film = Filmed([head(camera, since=0, radius=70) for camera in scene.CAMERAS[1:]])
+    plain, seen = (one(programme("cam1", see_through=on), film, 50) for on in (False, True))
+    middle = inside(20)
+    assert np.array_equal(plain.y[middle], seen.y[middle]), "four caps of one colour are no majority"
+
+
+def test_a_camera_whose_colours_do_not_match_keeps_its_picture():
+    film = Filmed([], gains={"cam1": 0.7})
+    plain, seen = (one(programme("cam1", see_through=on), film, 50) for on in (False, True))
+    assert np.array_equal(plain.y, seen.y)
+
+
 def test_a_camera_that_comes_out_of_a_long_shade_shows_its_own_picture():
     at = above("cam1", MIDDLE, HEAD)
     film = Filmed([Thing(HEAD, lambda frame: at if frame < 50 else None, 50, CAP)])
