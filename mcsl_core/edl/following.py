@@ -132,12 +132,18 @@ def _colours(before: Mapping[str, Colour], after: Mapping[str, Colour], way: flo
 
 
 def _relief(before: Relief | None, after: Relief | None, projections: Mapping, way: float) -> Relief | None:
-    """The poses' reliefs on the way from one to the other, as the cameras see them then."""
+    """The poses' reliefs on the way from one to the other, as the cameras see them then; beside a plane one fades."""
     known = [relief for relief in (before, after) if relief is not None]
     if not projections or not known:
         return None
     a, b = known[0], known[-1]
     if (len(a.gamma), len(a.gamma[0])) != (len(b.gamma), len(b.gamma[0])):
         return attrs.evolve(a if way < 0.5 else b, projections=projections)
-    sure = tuple(tuple(round(v) for v in row) for row in _between(a.confidence, b.confidence, way))
-    return Relief(projections, _between(a.gamma, b.gamma, way), sure)
+    sure = [relief.confidence if relief is not None else _nothing(a) for relief in (before, after)]
+    rounded = tuple(tuple(round(v) for v in row) for row in _between(*sure, way))
+    return Relief(projections, _between(a.gamma, b.gamma, way), rounded)
+
+
+def _nothing(relief: Relief) -> tuple[tuple[int, ...], ...]:
+    """No confidence at the nodes of a relief."""
+    return tuple((0,) * len(row) for row in relief.confidence)

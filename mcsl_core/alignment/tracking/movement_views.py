@@ -9,9 +9,18 @@ import attrs
 import cv2
 import numpy as np
 from attrs import frozen
+from scipy.optimize import least_squares
 
 from mcsl_core.edl import Movement, MovementView
-from mcsl_core.imaging.geometry import Array, Homography, inverse, project, to_edl_matrix, to_edl_projection
+from mcsl_core.imaging.geometry import (
+    Array,
+    Homography,
+    inverse,
+    project,
+    to_edl_matrix,
+    to_edl_projection,
+    transform_points,
+)
 from mcsl_core.imaging.relief import between_nodes
 from mcsl_core.progress import Progress
 from mcsl_core.recording.decoder import Decoder, exact_programme_time
@@ -30,6 +39,7 @@ _MARGIN_S = 0.3  # before and after: the lamp starts a little earlier than it is
 _SAMPLES = 12  # of a pose, the nearest to the movement, that its background is made from
 _LOST_S = 1.0  # with a longer gap nobody knows where the lamp went
 _KNOWN = 0.1  # confidence of nodes that cameras are calibrated by
+_PLANE_OFF, _PLANE_MOST = 3.0 / 960, 12.0 / 960  # of the width: what planes are off the relief, and are at most
 _BEND = 0.15 / 960  # of the width: views between which a line leads so near are left out
 
 
@@ -100,7 +110,7 @@ def follow_movements(
 def _calibrated(
     solved: Sequence[SolvedPose], perspective: int, reference: str, footage: Footage
 ) -> tuple[Lamp, dict[int, _Standing]] | None:
-    """The rig, and the poses of a perspective that have a relief by their index."""
+    """The rig, and where it stands in the poses of a perspective by their index; None where no pose has a relief."""
     found = {
         i: own
         for i, pose in enumerate(solved)
@@ -108,13 +118,48 @@ def _calibrated(
     }
     sizes = {camera.name: camera.size for camera in footage.cameras}
     poses = list(found.values())
-    if len(poses) < 2:
+    if not poses:
         return None
     calibrated = calibrate([pose.projections for pose in poses], poses[0].points, reference, sizes)
     if calibrated is None:
         return None
     lamp, views = calibrated
-    return lamp, {i: attrs.evolve(p, view=v) for (i, p), v in zip(found.items(), views, strict=True)}
+    known = {i: attrs.evolve(p, view=v) for (i, p), v in zip(found.items(), views, strict=True)}
+    for i, pose in enumerate(solved):
+        if pose.pose.perspective == perspective and i not in known:
+            nearest = known[min(found, key=lambda n, i=i: abs(n - i))]
+            if (placed := _by_planes(lamp, nearest, pose)) is not None:
+                known[i] = placed
+    return lamp, known
+
+
+def _by_planes(lamp: Lamp, known: _Standing, pose: SolvedPose) -> _Standing | None:
+    """A pose without a relief: where the lamp stands by its planes, over another pose's relief."""
+    planes = _planes(pose)
+    names = sorted(planes.keys() & known.projections.keys())
+    if len(names) < 2:
+        return None
+    seen = {name: transform_points(planes[name], known.points[:, :2]) for name in names}
+
+    def off(numbers: Array) -> Array:
+        view = LampView.of(numbers)
+        return np.concatenate(
+            [(project(lamp.projection(n, view), known.points) - seen[n]).ravel() / lamp.sizes[n][0] for n in names]
+        )
+
+    start = least_squares(off, known.view.numbers, max_nfev=60).x
+    found = least_squares(off, start, loss="soft_l1", f_scale=_PLANE_OFF, max_nfev=60).x
+    if np.median(np.hypot(*off(found).reshape(-1, 2).T)) > _PLANE_MOST:
+        return None
+    view = LampView.of(found)
+    projections = {name: lamp.projection(name, view) for name in names}
+    return attrs.evolve(known, pose=pose, projections=projections, planes=planes, view=view)
+
+
+def _planes(pose: SolvedPose) -> dict[str, Homography]:
+    """Camera -> programme pixel to its own, by the pose's plane."""
+    anchor = np.array(pose.pose.anchor)
+    return {name: inverse(anchor @ np.array(h)) for name, h in pose.pose.homographies.items()}
 
 
 def _standing(pose: SolvedPose, size: tuple[int, int]) -> _Standing | None:
@@ -126,8 +171,7 @@ def _standing(pose: SolvedPose, size: tuple[int, int]) -> _Standing | None:
     at = np.column_stack([x.ravel(), y.ravel()])
     heights, sure = between_nodes(np.stack([gamma, confidence], axis=-1), size, at).T
     points = np.column_stack([at, heights])[sure > _KNOWN]
-    anchor = np.array(pose.pose.anchor)
-    planes = {name: inverse(anchor @ np.array(h)) for name, h in pose.pose.homographies.items()}
+    planes = _planes(pose)
     projections = {name: np.array(p) for name, p in relief.projections.items() if name in planes}
     if len(points) < 8 or len(projections) < 2:
         return None

@@ -76,6 +76,9 @@ def test_relief_goes_over_from_pose_to_pose() -> None:
     assert [r.gamma[0][0] for r in heights if r is not None] == pytest.approx([0, 1, 2])
     assert heights[1] is not None
     assert heights[1].confidence == ((80,) * 3,) * 2
+    beside_a_plane = attrs.evolve(edl, poses=(edl.poses[0], attrs.evolve(edl.poses[1], relief=None)))
+    fading = [placed_pose(beside_a_plane, frame).relief for frame in (98, 110, 122)]
+    assert [r.confidence[0][0] for r in fading if r is not None] == [80, 40, 0]
 
 
 def test_what_pictures_depend_on_while_the_lamp_moves_can_be_written_down() -> None:
