@@ -8,6 +8,7 @@ pictures lie), `edits` (changes to a whole document).
 from .checks import IDENTITY, Matrix
 from .colour import Colour, ColourKey, Matrix34
 from .field import DrawnField, FieldStretch
+from .look import Look
 from .movement import Movement, MovementView
 from .outside import allowed_outside, remember
 from .relief import Relief
@@ -17,7 +18,6 @@ from .schema import (
     Clock,
     Correction,
     Edl,
-    Look,
     MadeBy,
     Media,
     Override,

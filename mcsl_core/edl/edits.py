@@ -163,13 +163,9 @@ def _conflict(name: str) -> DocumentError:
 def change_look(
     edl: Edl,
     *,
-    centering: bool | None = None,
-    fill: bool | None = None,
-    colour: bool | None = None,
-    surface: bool | None = None,
-    see_through: bool | None = None,
     offset: tuple[float, float] | None = None,
     piece: FrameRange | None = None,
+    **aids: bool | None,
 ) -> Edl:
     """``edl`` with the given aids switched, everything else as it was.
 
@@ -177,15 +173,14 @@ def change_look(
     ----------
     edl
         The document.
-    centering, fill, colour, surface, see_through
-        On or off; as it was without.
     offset
         Centering by hand, (dx, dy) in programme pixels: an override, also over the whole programme.
     piece
         Where it holds, as an override; without, the whole programme's look is switched and overrides stay.
+    aids
+        On or off, by their names in `Look`; as they were without.
     """
-    given = {"centering": centering, "fill": fill, "colour": colour, "surface": surface, "see_through": see_through}
-    aids = {name: value for name, value in given.items() if value is not None}
+    aids = {name: value for name, value in aids.items() if value is not None}
     if not aids and offset is None:
         return edl
     if piece is None and aids:

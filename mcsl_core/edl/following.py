@@ -139,8 +139,8 @@ def _relief(before: Relief | None, after: Relief | None, projections: Mapping, w
     a, b = known[0], known[-1]
     if (len(a.gamma), len(a.gamma[0])) != (len(b.gamma), len(b.gamma[0])):
         return attrs.evolve(a if way < 0.5 else b, projections=projections)
-    sure = [relief.confidence if relief is not None else _nothing(a) for relief in (before, after)]
-    rounded = tuple(tuple(round(v) for v in row) for row in _between(*sure, way))
+    first, last = (relief.confidence if relief is not None else _nothing(a) for relief in (before, after))
+    rounded = tuple(tuple(round(v) for v in row) for row in _between(first, last, way))
     return Relief(projections, _between(a.gamma, b.gamma, way), rounded)
 
 

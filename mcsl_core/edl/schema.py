@@ -40,6 +40,7 @@ from .checks import (
 )
 from .colour import Colour, ColourKey, check_keys
 from .field import DrawnField, FieldStretch
+from .look import Look
 from .movement import Movement
 from .relief import Relief
 
@@ -209,22 +210,6 @@ class Correction:
 
     def __attrs_post_init__(self) -> None:
         check_matrix(self.matrix, ".matrix")
-
-
-@frozen
-class Look:
-    """The visual aids, each on or off for the whole programme."""
-
-    centering: bool = field(default=True, metadata=doc("shift the surgical field to the middle"))
-    fill: bool = field(default=True, metadata=doc("fill pixels the warp leaves empty from other cameras"))
-    colour: bool = field(default=True, metadata=doc("match each camera's colours to the reference camera"))
-    surface: bool = field(default=True, metadata=doc("align by the pose's relief, where it has one"))
-    see_through: bool = field(
-        default=False,
-        metadata=doc(
-            "show what another camera sees under heads and arms, where pictures lie by a relief", optional=True
-        ),
-    )
 
 
 @frozen
