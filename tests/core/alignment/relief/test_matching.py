@@ -170,3 +170,16 @@ def test_of_a_camera_behind_a_head_the_rig_tells_and_says_that_it_was_told() -> 
     assert found.matches["d"] == 0
     scene = np.column_stack([found.points[:, :2], hill(found.points[:, :2])])
     assert np.median(np.hypot(*(project(found.projections["d"], found.points) - project(FOURTH, scene)).T)) < 0.5
+
+
+@pytest.mark.parametrize("places", [0, 1, 269])
+def test_of_what_it_is_not_sure_itself_a_rig_tells_nothing(places: int) -> None:
+    over, rig = cloth(), told(1.0)
+    black = np.zeros((270, 480, 3), np.uint8)
+    seen = views({**{name: taken(own, over) for name, own in RIG.items()}, "d": black, "e": black})
+    wrong = np.array([[1, 0, 30], [0, 1, 0], [0, 0, 1.0]]) @ rig.projections["d"]
+    known = Rig({**rig.projections, "e": wrong}, {**rig.matches, "e": places})
+    found = relief_cameras(seen, planes(), [known])
+    assert found is not None
+    assert found.matches["d"] == 0
+    assert "e" not in found.projections
