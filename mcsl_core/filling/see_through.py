@@ -182,7 +182,7 @@ def _levelled(cells: Cells, shown: Cells) -> Cells:
     votes, edges = np.histogram(logs, _BINS, (-_MOST_GAIN, _MOST_GAIN))
     near = np.convolve(votes, np.ones(5), "same")
     best = int(near.argmax())
-    if near[best] < _ALL_BUT * known.size:
+    if near[best] <= _ALL_BUT * known.sum():  # none at all of a black picture
         return cells
     middle = (edges[best] + edges[best + 1]) / 2
     gain = np.exp(np.median(logs[np.abs(logs - middle) < 5 * (edges[1] - edges[0]) / 2]))

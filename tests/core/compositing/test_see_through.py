@@ -95,6 +95,13 @@ def test_a_camera_whose_colours_do_not_match_keeps_its_picture():
     assert np.array_equal(plain.y, seen.y)
 
 
+@pytest.mark.parametrize("black", ["cam1", "cam2"])
+def test_a_camera_that_shows_nothing_is_no_trouble(black):
+    film = Filmed([head("cam1")], gains={black: 0.0})
+    plain, seen = (one(programme("cam1", see_through=on), film, 50) for on in (False, True))
+    assert (black == "cam1") or (plain.y != seen.y)[inside(30)].mean() > 0.8
+
+
 def test_a_camera_that_comes_out_of_a_long_shade_shows_its_own_picture():
     at = above("cam1", MIDDLE, HEAD)
     film = Filmed([Thing(HEAD, lambda frame: at if frame < 50 else None, 50, CAP)])
