@@ -105,7 +105,7 @@ class FrameContext:
         return self.warper.change(self.laid_by, camera, self.offset, self.frame, tuple(median_of), laid=laid)
 
     def footprint(self, camera: str, frame: int | None = None, *, parallax_corrected: bool = False) -> U8:
-        pose_index = self.laid_by if frame is None else self.warper.pose_at(frame)
+        pose_index = self.laid_by if frame is None else self.warper.standing_at(frame)
         laid = self._laid(pose_index, camera, parallax_corrected)
         mask = self.warper.footprint(pose_index, camera, self._footprint_offset(), laid)
         if not self.steady:  # shared by offsets up to half the grid away: inside for all of them
@@ -126,7 +126,7 @@ class FrameContext:
             return self._warped(camera, rect, planes, (self.frame,), blur_px, parallax_corrected)
 
         def make() -> Planes | None:
-            pose_index = self.warper.pose_at(median_of[0])
+            pose_index = self.warper.standing_at(median_of[0])  # what is still, though the lamp is followed near it
             planes = self.warper.median(camera, median_of) if self.warper.is_placed(pose_index, camera) else None
             return self._warped(camera, rect, planes, median_of, blur_px, parallax_corrected)
 
@@ -160,7 +160,8 @@ class FrameContext:
         """``planes``, of one frame or the median of several of one pose, warped and coloured."""
         if planes is None:
             return None
-        pose_index = self.warper.pose_at(frames[0])
+        live = len(frames) == 1 and frames[0] == self.frame
+        pose_index = self.laid_by if live else self.warper.standing_at(frames[0])
         border = 2 * round(1.5 * blur_px)
         wide = rect.grown(border)
         laid = self._laid(pose_index, camera, parallax_corrected)

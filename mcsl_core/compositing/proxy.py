@@ -8,7 +8,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 
-from mcsl_core.edl import IDENTITY, Edl, Pose, Relief
+from mcsl_core.edl import IDENTITY, Edl, Matrix34, Movement, MovementView, Pose, Relief
 from mcsl_core.edl.field import at_size
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.protocol import Filler
@@ -86,6 +86,7 @@ def proxy_edl(edl: Edl, size: tuple[int, int]) -> Edl:
         fields=at_size(edl.fields, x, y),
         drawn_fields=at_size(edl.drawn_fields, x, y),
         cameras=cameras,
+        movements=tuple(_movement_at_size(m, shrink, programme) for m in edl.movements),
         poses=tuple(pose_at_size(p) for p in edl.poses),
         corrections=corrections,
         overrides=overrides,
@@ -95,10 +96,30 @@ def proxy_edl(edl: Edl, size: tuple[int, int]) -> Edl:
 
 def _relief_at_size(relief: Relief, cameras: Mapping[str, Homography], programme: Homography) -> Relief:
     """Seen in smaller pictures; matrices from full-size pixels to theirs. The grid's corners move by half a pixel."""
+    return attrs.evolve(relief, projections=_projections_at_size(relief.projections, cameras, programme))
+
+
+def _projections_at_size(
+    projections: Mapping[str, Matrix34], cameras: Mapping[str, Homography], programme: Homography
+) -> dict[str, Matrix34]:
     back = np.eye(4)
     back[np.ix_([0, 1, 2], [0, 1, 2])] = np.linalg.inv(programme)
-    made = {name: cameras[name] @ np.array(p) @ back for name, p in relief.projections.items()}
-    return attrs.evolve(relief, projections={name: to_edl_projection(p) for name, p in made.items()})
+    return {name: to_edl_projection(cameras[name] @ np.array(p) @ back) for name, p in projections.items()}
+
+
+def _movement_at_size(movement: Movement, cameras: Mapping[str, Homography], programme: Homography) -> Movement:
+    views = (
+        MovementView(
+            view.frame,
+            {
+                n: to_edl_matrix(programme @ np.array(h) @ np.linalg.inv(cameras[n]))
+                for n, h in view.homographies.items()
+            },
+            _projections_at_size(view.projections, cameras, programme),
+        )
+        for view in movement.views
+    )
+    return attrs.evolve(movement, views=tuple(views))
 
 
 def proxy_filler(edl: Edl, size: tuple[int, int]) -> Filler:

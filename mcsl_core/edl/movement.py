@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
+import attrs
 from attrs import field, frozen
 
 from mcsl_core.documents import AtMost, doc, key_path
@@ -59,3 +60,8 @@ class Movement:
             optional=True,
         ),
     )
+
+
+def unfollowed(movements: Iterable[Movement]) -> tuple[Movement, ...]:
+    """The movements without views: the programme holds its camera in them."""
+    return tuple(attrs.evolve(movement, views=()) for movement in movements)

@@ -18,6 +18,7 @@ from attrs import frozen
 
 from mcsl_core.compositing.proxy import ProxyFootage, proxy_edl, proxy_size
 from mcsl_core.edl import IDENTITY, Edl, Look
+from mcsl_core.edl.movement import unfollowed
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.errors import UsageError
 from mcsl_core.progress import Progress, Silent
@@ -39,7 +40,8 @@ def without_alignment(edl: Edl) -> Edl:
         attrs.evolve(p, homographies=dict.fromkeys(names, IDENTITY), anchor=IDENTITY, relief=None, weak=())
         for p in edl.poses
     )
-    return attrs.evolve(edl, poses=poses, corrections=(), look=Look(False, False, False, False))
+    movements = unfollowed(edl.movements)
+    return attrs.evolve(edl, poses=poses, movements=movements, corrections=(), look=Look(False, False, False, False))
 
 
 # -------------------------------------------------------------------------------------------------------- variants

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from mcsl_core.documents import make_converter, read_json, structure_document
 from mcsl_core.edl import IDENTITY, Edl, Matrix, Pose, Weak
 from mcsl_core.edl.checks import LARGEST_SIDE
+from mcsl_core.edl.movement import unfollowed
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.errors import DocumentError, Fault, InputError, UsageError
 from mcsl_core.imaging.geometry import to_edl_matrix
@@ -367,7 +368,7 @@ def aligned_by_hand(edl: Edl, by_hand: ByHand) -> Edl:
                 where=f"pose {index}",
                 remedy=f"Check that of camera {edl.reference}, which the others lead through",
             ) from fault
-    return attrs.evolve(edl, poses=tuple(poses), corrections=())
+    return attrs.evolve(edl, poses=tuple(poses), movements=unfollowed(edl.movements), corrections=())
 
 
 def _aligned_pose(edl: Edl, pose: Pose, matrices: Mapping[str, Matrix]) -> Pose:

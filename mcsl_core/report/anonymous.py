@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import attrs
 
 from mcsl_core.analysis.measurements import Measurements
-from mcsl_core.edl import Edl, Pose
+from mcsl_core.edl import Edl, Movement, MovementView, Pose
 
 FILE = "recording"
 
@@ -24,6 +25,7 @@ def nameless(edl: Edl, measured: Measurements | None) -> tuple[Edl, Measurements
         edl,
         reference=names[edl.reference],
         cameras=tuple(attrs.evolve(camera, name=names[camera.name]) for camera in edl.cameras),
+        movements=tuple(_movement(movement, names) for movement in edl.movements),
         poses=tuple(_pose(pose, names) for pose in edl.poses),
         shots=tuple(attrs.evolve(shot, camera=names[shot.camera], why="") for shot in edl.shots),
         overrides=tuple(attrs.evolve(o, camera=o.camera and names[o.camera], note="") for o in edl.overrides),
@@ -51,10 +53,19 @@ def untold(text: str) -> str:
     return f"{text.partition(':')[0].rstrip('.')}." if text else ""
 
 
-def _pose(pose: Pose, names: Mapping[str, str]) -> Pose:
-    def renamed(by_camera: Mapping[str, Any]) -> dict[str, Any]:
-        return {names[name]: value for name, value in by_camera.items()}
+def _renamed(by_camera: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, Any]:
+    return {names[name]: value for name, value in by_camera.items()}
 
+
+def _movement(movement: Movement, names: Mapping[str, str]) -> Movement:
+    views = (
+        MovementView(v.frame, _renamed(v.homographies, names), _renamed(v.projections, names)) for v in movement.views
+    )
+    return attrs.evolve(movement, views=tuple(views))
+
+
+def _pose(pose: Pose, names: Mapping[str, str]) -> Pose:
+    renamed = partial(_renamed, names=names)
     word = re.compile("|".join(rf"(?<!\w){re.escape(name)}(?!\w)" for name in sorted(names, key=len, reverse=True)))
     return attrs.evolve(
         pose,

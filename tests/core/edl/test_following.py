@@ -5,16 +5,20 @@ from __future__ import annotations
 from fractions import Fraction
 
 import attrs
+import numpy as np
 import pytest
 from builders import small_edl
 
 from mcsl_core import edl as edls
+from mcsl_core.compositing.proxy import proxy_edl
 from mcsl_core.documents import canonical_json
 from mcsl_core.edl import Clock, Colour, Movement, MovementView, Relief
 from mcsl_core.edl.dependencies import movement_over
 from mcsl_core.edl.following import followed_movement, placed_pose, shown_at
 from mcsl_core.edl.placement import placement_matrix
 from mcsl_core.errors import DocumentError, Fault
+from mcsl_core.imaging.geometry import scaling, transform_points
+from mcsl_core.report.anonymous import nameless
 from mcsl_core.timing import FrameRange
 
 
@@ -122,3 +126,23 @@ def test_the_document_says_where_a_view_is_wrong() -> None:
 def test_rates_are_exact() -> None:
     camera = attrs.evolve(moving().cameras[0], rate=Fraction(30000, 1001))
     assert shown_at(camera, 90_000, Fraction(30000, 1001)) == pytest.approx(90_000)
+
+
+def test_a_smaller_programme_lies_as_the_whole_does() -> None:
+    edl = moving()
+    half = proxy_edl(edl, (edl.size[0] // 2, edl.size[1] // 2))
+    for frame in (50, 104, 117, 200):
+        for camera in edl.cameras:
+            whole = placement_matrix(edl, placed_pose(edl, frame), camera.name)
+            small = placement_matrix(half, placed_pose(half, frame), camera.name)
+            assert whole is not None
+            assert small is not None
+            at = transform_points(np.array(whole), np.array([[40.0, 30.0]]))
+            to_half, of_camera = scaling(edl.size, half.size), scaling(camera.size, half.camera(camera.name).size)
+            there = transform_points(np.array(small), transform_points(of_camera, np.array([[40.0, 30.0]])))
+            assert there == pytest.approx(transform_points(to_half, at), abs=1e-6)
+
+
+def test_a_nameless_programme_is_followed_as_well() -> None:
+    made, _ = nameless(moving(), None)
+    assert {name for view in made.movements[0].views for name in view.homographies} == {c.name for c in made.cameras}
