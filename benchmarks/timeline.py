@@ -1,4 +1,4 @@
-"""What the timeline of a long day costs: 2,000 shots, 5 cameras, 3 poses, 5,000 centering keys.
+"""What the timeline of a long day costs: 2,000 shots, 5 cameras, 20 movements followed, 5,000 centering keys.
 
     python -m benchmarks.timeline FOLDER [BLENDER]       writes results/timeline.md
 
@@ -18,18 +18,21 @@ import sys
 import tempfile
 from datetime import date
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 from mcsl_core.blender.child import search_paths
 from mcsl_core.blender.installation import find
-from mcsl_core.edl import IDENTITY, Camera, Edl, Media, Override, Pose, Shot, save
+from mcsl_core.edl import IDENTITY, Camera, Edl, Matrix, Media, Movement, MovementView, Override, Pose, Shot, save
+from mcsl_core.edl.placement import multiply
 from mcsl_core.media.writing import Encoding, VideoWriter
 from mcsl_core.timing import FrameRange
 
 RESULTS = Path(__file__).parent / "results"
-FRAMES, SHOTS, CAMERAS, POSES, KEYS, OVERRIDES = 120_000, 2_000, 5, 3, 5_000, 200
+FRAMES, SHOTS, CAMERAS, MOVEMENTS, KEYS, OVERRIDES = 120_000, 2_000, 5, 20, 5_000, 200
+MOVES, VIEW_EVERY = 150, 2  # frames of a movement, and between its views
 RATE, SIZE = Fraction(30), (64, 36)
 REACH = {"build": 10.0, "read": 1.0}  # seconds
 
@@ -116,14 +119,15 @@ def long_day(name: str) -> Edl:
     )
     turned = ((0.31, -0.95, 40.0), (0.95, 0.31, -12.0), (1e-4, -2e-4, 1.0))
     homographies = {c: IDENTITY if c == "cam1" else turned for c in cameras}
-    third = FRAMES // POSES
+    begins = [n * FRAMES // (MOVEMENTS + 1) for n in range(MOVEMENTS + 2)]
     return Edl(
         rate=RATE,
         size=SIZE,
         frames=FRAMES,
         reference="cam1",
         cameras=tuple(Camera(c, (Media(name, FRAMES),), SIZE, RATE) for c in cameras),
-        poses=tuple(Pose(FrameRange(n * third, (n + 1) * third), homographies) for n in range(POSES)),
+        movements=tuple(_movement(FrameRange(n - MOVES // 2, n + MOVES // 2), homographies) for n in begins[1:-1]),
+        poses=tuple(Pose(FrameRange(a, b), homographies) for a, b in pairwise(begins)),
         shots=shots,
         overrides=tuple(
             Override(shot.range, camera=cameras[(i + 2) % CAMERAS])
@@ -134,6 +138,16 @@ def long_day(name: str) -> Edl:
             (i * FRAMES // KEYS, chance.randint(-90, 90) / 10, chance.randint(-90, 90) / 10) for i in range(KEYS)
         ),
     )
+
+
+def _movement(moves: FrameRange, homographies: dict[str, Matrix]) -> Movement:
+    """All cameras drift off and come back."""
+    views = []
+    for frame in range(moves.start - 2, moves.stop + 3, VIEW_EVERY):
+        away = min(frame - moves.start, moves.stop - frame) / 10
+        off = (1.0, 0.0, away), (0.0, 1.0, -away), (0.0, 0.0, 1.0)
+        views.append(MovementView(frame, {c: multiply(off, matrix) for c, matrix in homographies.items()}))
+    return Movement(moves, 1.0, tuple(views))
 
 
 def run(command: list[str], folder: Path, edl: Edl, rounds: int) -> dict:
@@ -164,7 +178,7 @@ def table(found: dict) -> str:
         ("**build**: EDL read, planned, strips made", summed["build"], "bare", f"{REACH['build']:g} s"),
         ("  of it: reading and checking the EDL", best["load"], "bare", ""),
         ("  of it: planning", best["plan"], "bare", ""),
-        ("  of it: strips, keys, five movies split at the poses", best["strips"], "bare", ""),
+        ("  of it: strips, keys, five movies split and keyed at movements", best["strips"], "bare", ""),
         (f"yardstick: {SHOTS:,} bare Multicam strips", best["bare"], "bare", ""),
         ("**read back**: EDL read, strips found, decided", summed["read"], "inspect", f"{REACH['read']:g} s"),
         ("  of it: finding strips and transforms", best["found"], "inspect", ""),
@@ -191,8 +205,9 @@ def main() -> None:
 Made by `python -m benchmarks.timeline FOLDER` on {date.today()}, Blender {found["version"]} as a module,
 {platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}. Best of three rounds in one process.
 
-{SHOTS:,} shots, {CAMERAS} cameras, {POSES} poses, {KEYS:,} centering keys, {OVERRIDES} overrides, {FRAMES:,} frames;
-{found["strips"]:,} strips stand in the sequencer. Untouched, it gives back the same EDL: each round checks.
+{SHOTS:,} shots, {CAMERAS} cameras, {MOVEMENTS} movements followed through {MOVES} frames each, {KEYS:,} centering keys,
+{OVERRIDES} overrides, {FRAMES:,} frames; {found["strips"]:,} strips stand in the sequencer.
+Untouched, it gives back the same EDL: each round checks.
 
 {table(found)}
 """

@@ -19,8 +19,8 @@ from mcsl_core.edl.placement import multiply
 from mcsl_core.errors import InputError
 from mcsl_core.timing import FrameRange
 
+from .camera_places import base_matrix, corrected
 from .similarity import Transform, invert, matrix_of, project
-from .strip_plan import base_matrix, corrected
 
 UNNOTICED_PX = 0.05  # of the picture's corners: fifty times Blender's float32 rounding, a twentieth of what can be seen
 

@@ -169,3 +169,32 @@ def closest(
     middle = complex((camera_size[0] - 1) / 2, (camera_size[1] - 1) / 2)
     shift = turn * (middle - source_mean) + target_mean - complex((width - 1) / 2, (height - 1) / 2)
     return Transform(shift.real, 0.0 - shift.imag, abs(turn), 0.0 - cmath.phase(turn))
+
+
+def touching(homography: Matrix, point: complex) -> Matrix | None:
+    """The similarity that touches a homography at a programme point: the same there, and as near as can be about it.
+
+    Parameters
+    ----------
+    homography
+        Camera pixel -> programme pixel.
+    point
+        In programme pixels, x + iy.
+
+    Returns
+    -------
+    Matrix or None
+        Camera pixel -> programme pixel, affine; None where the camera does not look that way.
+    """
+    source = project(invert(homography), point)
+    if source is None or project(homography, source) is None:
+        return None
+    (a, b, _), (d, e, _), (g, h, i) = homography
+    w = g * source.real + h * source.imag + i
+    along_x = complex(a - point.real * g, d - point.imag * g) / w  # how the picture moves a pixel further there
+    along_y = complex(b - point.real * h, e - point.imag * h) / w
+    turn = (along_x - 1j * along_y) / 2
+    if abs(turn) < 1e-9:  # mirrored
+        return None
+    shift = point - turn * source
+    return (turn.real, -turn.imag, shift.real), (turn.imag, turn.real, shift.imag), (0.0, 0.0, 1.0)

@@ -23,9 +23,11 @@ from attrs import frozen
 
 from mcsl_core.documents import canonical_json
 from mcsl_core.edl import Edl
-from mcsl_core.edl.dependencies import View, relief_of, sees_through, views_of
+from mcsl_core.edl.dependencies import View, movement_over, relief_of, sees_through, views_of
 from mcsl_core.edl.resolve import Decision, resolve_by_pose
 from mcsl_core.timing import FrameRange, merge_equal
+
+from .moving import followed_ranges
 
 Basis = tuple[tuple[FrameRange, str], ...]  # tiles the programme
 
@@ -34,6 +36,7 @@ def basis_of(edl: Edl) -> Basis:
     """What the exact pictures of ``edl`` are made from, frame by frame; a hash for each stretch of one answer."""
     common = _digest([str(edl.rate), list(edl.size), edl.reference, _filler(edl)])
     centering = _digest([list(key) for key in edl.centering])
+    followed = {span: _digest(movement_over(edl, span)) for span, _ in followed_ranges(edl)}
     views: dict[Any, str] = {}
     reliefs: dict[Any, str] = {}
     pieces = []
@@ -53,8 +56,15 @@ def basis_of(edl: Edl) -> Basis:
         facts += [reliefs[relief]] if reliefs[relief] else []  # a pose without is as before there were any
         facts += ["see through"] if through else []
         for part, eases in _eased(span, decision):  # a centre by hand glides in and out; between, it stands
-            pieces.append((part, _digest([*facts, centering, eases] if eases else facts)))
+            own = [*facts, centering, eases] if eases else facts
+            pieces += [(p, _digest([*own, moves] if moves else own)) for p, moves in _moving(part, followed)]
     return tuple(merge_equal(pieces))
+
+
+def _moving(part: FrameRange, followed: Mapping[FrameRange, str]) -> list[tuple[FrameRange, str]]:
+    """``part`` cut where the lamp begins and ends to be followed, and how it is in each piece; '' where it is not."""
+    moving = [(both, moves) for span, moves in followed.items() if (both := span.intersection(part)) is not None]
+    return sorted([*moving, *((piece, "") for piece in without([part], [both for both, _ in moving]))])
 
 
 def _eased(span: FrameRange, decision: Decision) -> list[tuple[FrameRange, str]]:

@@ -19,17 +19,20 @@ from fractions import Fraction
 from itertools import pairwise
 from math import ceil
 from pathlib import Path
+from typing import Any
 
 import attrs
 from attrs import field, frozen
 
 from mcsl_core.blender.messages import ConformedPiece
-from mcsl_core.edl import Camera, Edl, Matrix, Pose
-from mcsl_core.edl.placement import correction_of, fit_matrix, multiply, placement_matrix
-from mcsl_core.edl.resolve import Decision, offset_at, resolve, shift_at
+from mcsl_core.edl import Camera, Edl
+from mcsl_core.edl.placement import placement_matrix
+from mcsl_core.edl.resolve import Decision, resolve, shift_at
 from mcsl_core.timing import FrameRange, merge_equal
 
-from .similarity import Transform, closest, fitted, matrix_of, transform_of
+from .camera_places import corrected, planned_transform
+from .moving import TransformKey, followed_ranges, moving_keys
+from .similarity import Transform
 
 AUDIO_CHANNEL = 1
 FIRST_CAMERA_CHANNEL = 2
@@ -37,11 +40,24 @@ FIRST_CAMERA_CHANNEL = 2
 
 @frozen
 class MoviePiece:
-    """A stretch of a camera file with one transform: one pose. planned: the transform without any correction."""
+    """A stretch of a camera file with one transform, while the lamp stands in a pose; or with keys, while it moves.
+
+    Attributes
+    ----------
+    range
+        Programme frames.
+    transform
+        As it is shown; the first key's where there are keys.
+    planned
+        The transform without any correction; None where there are keys.
+    keys
+        Where the picture lies while the lamp moves and is followed; they may reach beyond the range.
+    """
 
     range: FrameRange
     transform: Transform
-    planned: Transform
+    planned: Transform | None
+    keys: tuple[TransformKey, ...] = ()
 
 
 @frozen
@@ -133,10 +149,9 @@ def make_plan(edl: Edl, conformed: Iterable[ConformedPiece] = (), sound: Path | 
     sound
         The conformed sound, from frame 0; None takes the reference camera's own files.
     """
-    order = [c for c in edl.cameras if c.name != edl.reference] + [edl.camera(edl.reference)]
-    channels = {camera.name: FIRST_CAMERA_CHANNEL + index for index, camera in enumerate(order)}
-    programme_channel = FIRST_CAMERA_CHANNEL + len(order)
-    tracks = tuple(CameraTrack(c.name, channels[c.name], _files(edl, c)) for c in order)
+    tracks = camera_tracks(edl)
+    channels = {track.camera: track.channel for track in tracks}
+    programme_channel = FIRST_CAMERA_CHANNEL + len(tracks)
     if sound is not None:
         sounds: tuple[SoundPiece, ...] = (SoundPiece(str(sound), 0),)
     else:
@@ -150,7 +165,7 @@ def make_plan(edl: Edl, conformed: Iterable[ConformedPiece] = (), sound: Path | 
         programme_channel=programme_channel,
         programme=_programme(edl, channels),
         centering_channel=programme_channel + 1,
-        centering=_offset_keys(edl),
+        centering=offset_keys(edl),
         conformed_channel=programme_channel + 2,
         conformed=tuple(sorted(conformed, key=lambda piece: piece.range)),
         markers=_markers(edl),
@@ -158,10 +173,16 @@ def make_plan(edl: Edl, conformed: Iterable[ConformedPiece] = (), sound: Path | 
         notes=tuple(
             f"{c.name} runs at {float(c.rate):.3f} frames/s, the programme at {float(edl.rate):.3f}: "
             "its strips drift from the sound until the stretch is conformed"
-            for c in order
+            for c in (edl.camera(track.camera) for track in tracks)
             if c.rate != edl.rate
         ),
     )
+
+
+def camera_tracks(edl: Edl) -> tuple[CameraTrack, ...]:
+    """The cameras' channels, the reference camera last."""
+    order = [c for c in edl.cameras if c.name != edl.reference] + [edl.camera(edl.reference)]
+    return tuple(CameraTrack(c.name, channel, _files(edl, c)) for channel, c in enumerate(order, FIRST_CAMERA_CHANNEL))
 
 
 def automatic_cameras(edl: Edl) -> tuple[tuple[FrameRange, str], ...]:
@@ -198,11 +219,16 @@ def tracks_key(tracks: Sequence[CameraTrack]) -> str:
         [
             t.camera,
             t.channel,
-            [[f.path, f.start, f.frames, [[str(p.range), p.planned] for p in f.pieces]] for f in t.files],
+            [[f.path, f.start, f.frames, [_made_from(p) for p in f.pieces]] for f in t.files],
         ]
         for t in tracks
     ]
     return hashlib.sha256(repr(value).encode()).hexdigest()[:16]
+
+
+def _made_from(piece: MoviePiece) -> list[Any]:
+    keys = [[key.frame, key.planned, key.hold] for key in piece.keys]
+    return [str(piece.range), keys or piece.planned]
 
 
 def first_frame(time_s: float, rate: Fraction) -> int:
@@ -220,23 +246,40 @@ def first_frame(time_s: float, rate: Fraction) -> int:
 
 
 def _files(edl: Edl, camera: Camera) -> tuple[CameraFile, ...]:
-    """A camera's files one after another, each cut at the poses and to the programme, gaps left out."""
+    """A camera's files one after another, each cut at the poses, at movements that are followed and to the programme,
+    gaps left out.
+    """
     starts, played = [], 0
     for media in camera.media:
         starts.append(first_frame(camera.clock.programme_time(played / camera.rate), edl.rate))
         played += media.frames
     files = []
-    transforms = [(planned := planned_transform(edl, camera, p), corrected(edl, camera, p, planned)) for p in edl.poses]
+    places = _places(edl, camera)
     for index, media in enumerate(camera.media):
         stop = starts[index] + media.frames
         if index + 1 < len(starts):
             stop = min(stop, starts[index + 1])
         pieces = []
-        for pose, (planned, shown) in zip(edl.poses, transforms, strict=True):
-            for start, end in _without(max(pose.range.start, starts[index]), min(pose.range.stop, stop), camera.gaps):
-                pieces.append(MoviePiece(FrameRange(start, end), shown, planned))
+        for place in places:
+            for start, end in _without(max(place.range.start, starts[index]), min(place.range.stop, stop), camera.gaps):
+                pieces.append(attrs.evolve(place, range=FrameRange(start, end)))
         files.append(CameraFile(media.path, starts[index], media.frames, tuple(pieces)))
     return tuple(files)
+
+
+def _places(edl: Edl, camera: Camera) -> list[MoviePiece]:
+    """Where a camera's picture lies over the whole programme, in order: poses, and between them followed movements."""
+    followed = followed_ranges(edl)
+    places = []
+    for pose in edl.poses:
+        planned = planned_transform(edl, camera, pose)
+        shown = corrected(edl, camera, pose, planned)
+        standing = _without(pose.range.start, pose.range.stop, [span for span, _ in followed])
+        places += [MoviePiece(FrameRange(*span), shown, planned) for span in standing]
+    for span, movement in followed:
+        keys = moving_keys(edl, camera, movement)
+        places.append(MoviePiece(span, keys[0].transform, None, keys))
+    return sorted(places, key=lambda place: place.range)
 
 
 def _without(start: int, stop: int, gaps: Iterable[FrameRange]) -> list[tuple[int, int]]:
@@ -247,48 +290,6 @@ def _without(start: int, stop: int, gaps: Iterable[FrameRange]) -> list[tuple[in
         at = max(at, gap.stop)
     pieces.append((at, stop))
     return [(a, b) for a, b in pieces if a < b]
-
-
-def planned_transform(edl: Edl, camera: Camera, pose: Pose) -> Transform:
-    """The similarity nearest to the homography that takes a camera into the programme, without any correction.
-
-    A weak camera, which has none, is shown upright and whole.
-    """
-    matrix = placement_matrix(attrs.evolve(edl, corrections=()), pose, camera.name)
-    if matrix is None:
-        return fitted(camera.size, edl.size)
-    return closest(matrix, camera.size, edl.size, _field(edl, pose))
-
-
-def corrected(edl: Edl, camera: Camera, pose: Pose, planned: Transform) -> Transform:
-    """``planned`` moved by the correction that holds for the camera in ``pose``, if there is one."""
-    # Not the similarity nearest to the corrected homography: the preview must move by just what the editor moved it.
-    correction = correction_of(edl, pose, camera.name)
-    if correction is None:
-        return planned
-    matrix = multiply(correction, base_matrix(edl, camera, pose, planned))
-    exact = transform_of(matrix, camera.size, edl.size)
-    return exact if exact is not None else closest(matrix, camera.size, edl.size, _field(edl, pose))
-
-
-def base_matrix(edl: Edl, camera: Camera, pose: Pose, planned: Transform) -> Matrix:
-    """The matrix to which a correction is applied in the preview.
-
-    Returns
-    -------
-    Matrix
-        Camera pixel -> programme pixel, affine. For a weak camera it is not what ``planned`` shows but what
-        `placement_matrix` starts from: edge on edge.
-    """
-    if camera.name not in pose.homographies:
-        return fit_matrix(camera.size, edl.size)
-    return matrix_of(planned, camera.size, edl.size)
-
-
-def _field(edl: Edl, pose: Pose) -> complex:
-    """The surgical field's middle in programme pixels: centering moves it to the middle, so it stands that far off."""
-    dx, dy = offset_at(edl.centering, (pose.range.start + pose.range.stop) / 2)
-    return complex((edl.size[0] - 1) / 2 - dx, (edl.size[1] - 1) / 2 - dy)
 
 
 def _programme(edl: Edl, channels: dict[str, int]) -> tuple[ProgrammeStrip, ...]:
@@ -311,7 +312,7 @@ def _programme(edl: Edl, channels: dict[str, int]) -> tuple[ProgrammeStrip, ...]
     return tuple(strips)
 
 
-def _offset_keys(edl: Edl) -> tuple[OffsetKey, ...]:
+def offset_keys(edl: Edl) -> tuple[OffsetKey, ...]:
     """The EDL's keys where centering is on, what was set by hand, zero where it is off; changes lie between two frames.
 
     Off as well where a weak camera is shown: its picture stands whole, and the field's place in it is not known.

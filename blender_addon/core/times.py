@@ -19,7 +19,7 @@ from attrs import frozen
 from mcsl_core.edl import Edl
 from mcsl_core.errors import InputError
 
-from .strip_plan import make_plan, tracks_key
+from .strip_plan import camera_tracks, tracks_key
 
 _KINDS = {"camera": "camera strip", "conformed": "conformed strip", "sound": "sound strip", "centering": "strip"}
 _LEAVE_OUT = (
@@ -144,10 +144,10 @@ def _with_laid(edl: Edl, films: Sequence[FoundFilm], tracks: str) -> list[FoundF
     """Where camera strips of an older timeline were laid follows from the EDL, if they were built from this one."""
     if all(f.laid is not None for f in films if f.role == "camera"):
         return list(films)
-    plan = make_plan(edl)
-    if tracks != tracks_key(plan.cameras):
+    planned = camera_tracks(edl)
+    if tracks != tracks_key(planned):
         return list(films)
-    laid = {PurePosixPath(file.path).name: file.start for track in plan.cameras for file in track.files}
+    laid = {PurePosixPath(file.path).name: file.start for track in planned for file in track.files}
     return [f if f.role != "camera" or f.laid is not None else attrs.evolve(f, laid=laid.get(f.file)) for f in films]
 
 

@@ -14,6 +14,7 @@ from mcsl_core.timing import FrameRange
 from ..core.carry_over import Place, uncovered
 from ..core.mirrored import is_mirrored
 from ..core.strip_plan import AUDIO_CHANNEL, CameraTrack, ProgrammeStrip, StripPlan, automatic_to_text, tracks_key
+from .camera_keys import place_camera
 from .centering_keys import set_centering_keys
 from .compat import ends, new_effect
 from .edit import OVERRIDDEN_COLOUR, check_there, split_strip
@@ -22,14 +23,12 @@ from .scene_properties import (
     CAMERA,
     GIVEN_NAME,
     MARK,
-    PLANNED_TRANSFORM,
     SHOT_ID,
     TRACKS_HASH,
     note_placed,
     role_of,
 )
 from .sound import lay_sound
-from .transforms import set_transform, transform_numbers
 
 
 def build_timeline(scene: Any, plan: StripPlan, base: Path) -> list[str]:
@@ -95,8 +94,7 @@ def build_camera(scene: Any, track: CameraTrack, base: Path, kept: Sequence[tupl
             )
         pieces = [(span, piece) for span, piece in pieces if span.start < stop]
         for part, (_, piece) in zip(cut_out(scene, strip, [span for span, _ in pieces]), pieces, strict=True):
-            set_transform(part, piece.transform)
-            part[PLANNED_TRANSFORM] = transform_numbers(piece.planned)
+            place_camera(scene, part, piece)
     return notes
 
 

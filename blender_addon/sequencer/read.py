@@ -13,6 +13,7 @@ from ..core.field import FoundDrawing, from_text
 from ..core.read_overrides import AUTOMATIC, FoundStrip, SequencerState
 from ..core.similarity import Transform
 from ..core.strip_plan import automatic_from_text
+from .camera_keys import moved_by_hand
 from .centering_keys import keyed_by_hand
 from .compat import ends
 from .read_times import read_films, read_scene_time
@@ -145,12 +146,18 @@ def _planned(strip: Any) -> Transform | None:
 
 def _remarks(scene: Any) -> tuple[str, ...]:
     """What an editor did that is not read, for a person."""
+    found = []
     if keyed_by_hand(scene):
-        return (
+        found.append(
             "the Centering strip or its keys were changed by hand, which is not read: to set the centre of a shot, "
-            f"use the panel (or the strip's property {CENTRE})",
+            f"use the panel (or the strip's property {CENTRE})"
         )
-    return ()
+    if moved := moved_by_hand(scene):
+        found.append(
+            f"the keys of {_where(moved[0])}, over a movement of the lamp, were changed by hand, which is not read: "
+            "move the camera's strips before and after it instead"
+        )
+    return tuple(found)
 
 
 def _offset(strip: Any) -> Any:

@@ -18,6 +18,7 @@ from ..core.carry_over import Part, Place, main_part, parts_of, uncovered
 from ..core.strip_plan import FIRST_CAMERA_CHANNEL, CameraTrack, StripPlan, automatic_to_text, tracks_key
 from . import conformed
 from .build import build_camera, deselect, lay_centering, lay_shot, name_channel, set_shot
+from .camera_keys import follow_movements, place_camera
 from .centering_keys import set_centering_keys
 from .compat import ends, set_ends
 from .edit import HIGHEST_CHANNEL, effect_inputs, remove, split_at
@@ -26,14 +27,12 @@ from .scene_properties import (
     AUTOMATIC_CAMERA,
     CAMERA,
     GIVEN_NAME,
-    PLANNED_TRANSFORM,
     TRACKS_HASH,
     given_name,
     role_of,
 )
 from .sound import renew_sound
 from .touched import Work
-from .transforms import set_transform, transform_numbers
 
 
 def rebuild_timeline(scene: Any, plan: StripPlan, base: Path) -> list[str]:
@@ -61,6 +60,8 @@ def rebuild_timeline(scene: Any, plan: StripPlan, base: Path) -> list[str]:
     if others:
         notes.append("the EDL has other cameras, files or poses than this timeline: its camera strips were made anew")
         notes.extend(_cameras(scene, plan, base, kept["camera"]))
+    else:
+        follow_movements(scene, plan.cameras)
     for above, name in enumerate(("Programme", "Centering", "Conformed")):
         name_channel(scene, plan.programme_channel + above, name)
     _programme(scene, plan, kept["programme"])
@@ -144,8 +145,7 @@ def _renew_camera(scene: Any, strip: Any, track: CameraTrack, base: Path) -> Non
     for part, place in _cut(scene, strip, places):
         if not link_film(scene, part, base / place.path, place.start):
             part.mute = True  # under an effect, over the end of a file: it cannot be cut there
-        set_transform(part, place.value.transform)
-        part[PLANNED_TRANSFORM] = transform_numbers(place.value.planned)
+        place_camera(scene, part, place.value)
 
 
 def _programme(scene: Any, plan: StripPlan, kept: Sequence[Any]) -> None:

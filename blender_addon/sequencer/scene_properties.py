@@ -35,6 +35,7 @@ OVERRIDE_COUNT = "mcsl_overrides"  # how many overrides the EDL had when it was 
 CAMERA_NAMES = "mcsl_cameras"  # the EDL's cameras in its order, as JSON: key n is the n-th
 TRACKS_HASH = "mcsl_tracks"  # what the camera strips were made from
 CENTERING_KEYS_HASH = "mcsl_keys"  # the Centering strip's keys as they were written: others are the editor's
+FOLLOWED_FOR = "mcsl_followed_for"  # the corrections that the keys of camera strips over movements were made for
 CENTERING_PLAN_HASH = "mcsl_centered"  # the plan that those keys were written from
 CONFORMED_BASIS = "mcsl_conformed_for"  # what its conformed pictures were made from, by time
 SOUND_LAID = "mcsl_sound"  # where sound was laid, as JSON [[start, stop], ...]: what is missing there was taken out
@@ -52,6 +53,7 @@ LOOK_FOR_ALL = {  # a part of the look that was switched for the whole programme
 # Of a strip.
 CAMERA = "mcsl_camera"  # camera strip: whose file it plays
 PLANNED_TRANSFORM = "mcsl_planned"  # camera strip: its transform without any correction
+FOLLOWS = "mcsl_follows"  # camera strip over a movement: a hash of the keys it was given; others are the editor's
 SHOT_ID = "mcsl_id"  # Programme strip
 GIVEN_NAME = "mcsl_name"  # Programme strip: the name it was given here; another one is the editor's
 LOOK_OF_SHOT = {  # Programme strip: a part of the look that was switched for this shot

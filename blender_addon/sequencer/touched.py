@@ -11,7 +11,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from .edit import OVERRIDDEN_COLOUR, curves_of, effect_inputs
-from .scene_properties import CAMERA, FALLEN, given_name, role_of
+from .scene_properties import CAMERA, FALLEN, FOLLOWS, given_name, role_of
+from .transforms import NUMBERS
 
 # What is not work on a strip: where it lies, what it shows (decisions, read elsewhere), how the window shows it.
 _PLACE = re.compile(
@@ -49,7 +50,7 @@ class Work:
             yield "name"
         if strip.name in self._inputs:
             yield "effect strip"
-        if paths := self._animated.get(strip.name, set()) - (_CENTRED if role == "centering" else set()):
+        if paths := self._animated.get(strip.name, set()) - _keyed(strip, role):
             yield f"keys of {', '.join(sorted(paths))}"
         if getattr(strip, "retiming_keys", ()):
             yield "retiming"
@@ -62,7 +63,11 @@ class Work:
         yield from _set_otherwise(strip)
 
 
-_CENTRED = {"transform.offset_x", "transform.offset_y"}
+def _keyed(strip: Any, role: str) -> set[str]:
+    """What has keys of ours."""
+    if role == "camera" and FOLLOWS in strip:
+        return {f"transform.{name}" for name in NUMBERS}
+    return {"transform.offset_x", "transform.offset_y"} if role == "centering" else set()
 
 
 def _is_given(strip: Any, role: str) -> bool:

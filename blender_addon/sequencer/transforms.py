@@ -9,17 +9,16 @@ from typing import Any
 from ..core.similarity import Transform
 from .scene_properties import PLANNED_TRANSFORM, role_of
 
+NUMBERS = ("offset_x", "offset_y", "scale_x", "scale_y", "rotation")  # of a strip's transform, in our order
+
 
 def set_transform(strip: Any, transform: Transform) -> None:
-    to = strip.transform
-    # rounded far below a pixel, so that no field shows -0
-    to.offset_x, to.offset_y, to.scale_x, to.scale_y, to.rotation = (
-        round(n, 9) + 0.0 for n in transform_numbers(transform)
-    )
+    for name, number in zip(NUMBERS, transform_numbers(transform), strict=True):
+        setattr(strip.transform, name, round(number, 9) + 0.0)  # far below a pixel, so that no field shows -0
 
 
 def transform_numbers(transform: Transform) -> list[float]:
-    """As the property PLANNED_TRANSFORM holds it: offset_x, offset_y, scale_x, scale_y, rotation."""
+    """As the property PLANNED_TRANSFORM holds it, in the order of NUMBERS."""
     t = transform
     return [t.offset_x, t.offset_y, t.scale, t.height_scale, t.rotation]
 

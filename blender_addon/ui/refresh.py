@@ -19,9 +19,11 @@ from mcsl_core.errors import McslError
 from mcsl_core.timing import FrameRange
 
 from ..core import multicam, shot_list
+from ..core.moving import followed_ranges
 from ..core.read_overrides import read_edl
-from ..core.strip_plan import make_plan
+from ..core.strip_plan import camera_tracks, offset_keys
 from ..sequencer import conformed, scene_properties
+from ..sequencer.camera_keys import follow_movements
 from ..sequencer.centering_keys import keyed_by_hand, set_centering_keys
 from ..sequencer.compat import sequencer_scene
 from ..sequencer.edit import label_strips
@@ -65,6 +67,7 @@ def refresh_timeline(scene: Any) -> str:
         edl = _last[scene.name] = decided(scene)
         held = conformed.keep_true(scene, edl)
         _centre(scene, edl)
+        _follow(scene, edl)
         state = read_timeline(scene)
         label_strips(scene, multicam.overridden(edl, state.strips), multicam.shown_cameras(state))
         told_of = notices(scene, edl, state)
@@ -82,11 +85,19 @@ def refresh_timeline(scene: Any) -> str:
 
 def _centre(scene: Any, edl: Edl) -> None:
     """The Centering strip follows the decisions, unless an editor has keyed it by hand."""
-    keys = make_plan(edl).centering
+    keys = offset_keys(edl)
     text = hashlib.sha256(repr(keys).encode()).hexdigest()[:16]
     if scene.get(scene_properties.CENTERING_PLAN_HASH) != text and not keyed_by_hand(scene):
         set_centering_keys(scene, keys)
         scene[scene_properties.CENTERING_PLAN_HASH] = text
+
+
+def _follow(scene: Any, edl: Edl) -> None:
+    """Camera strips over movements go along with what was corrected by hand before and after them."""
+    text = hashlib.sha256(repr(edl.corrections).encode()).hexdigest()[:16] if edl.corrections else ""
+    if scene.get(scene_properties.FOLLOWED_FOR, "") != text and followed_ranges(edl):
+        follow_movements(scene, camera_tracks(edl))
+        scene[scene_properties.FOLLOWED_FOR] = text
 
 
 def _tell(scene: Any, edl: Edl | None = None, problem: str = "", outstanding_s: float = 0.0, lost_s: float = 0.0):

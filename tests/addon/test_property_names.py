@@ -27,6 +27,8 @@ SAVED = {  # in .blend files that editors have: never to be renamed
     "mcsl_edl",
     "mcsl_fallen",
     "mcsl_fill",
+    "mcsl_followed_for",
+    "mcsl_follows",
     "mcsl_id",
     "mcsl_home",
     "mcsl_keys",

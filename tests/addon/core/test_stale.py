@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from strategies import edls, ranges, tilings
 
 from blender_addon.core import stale as o
-from mcsl_core.edl import Correction, Look, MadeBy, Override, Shot, dumps, loads
+from mcsl_core.edl import Correction, Look, MadeBy, Movement, MovementView, Override, Shot, dumps, loads
 from mcsl_core.timing import check_tiles
 
 EDL = small_edl(centering=((0, 5.0, 0.0), (150, 9.0, 1.0)))
@@ -121,3 +121,16 @@ def test_parts_tile_the_strip_and_hold_where_nothing_is_gone(strip, holes):
     assert [part.range.start for part in found] == [strip.start, *(part.range.stop for part in found[:-1])]
     assert found[-1].range.stop == strip.stop
     assert frames(part.range for part in found if part.holds) == frames([strip]) - frames(gone)
+
+
+def test_a_movement_that_is_followed_otherwise_touches_its_frames_alone():
+    def moving(shift):
+        views = tuple(MovementView(f, {"cam2": ((1.0, 0.0, shift * f), *SHIFT[1:])}) for f in (96, 110, 124))
+        return attrs.evolve(EDL, movements=(Movement(R(100, 120), 1.0, views),))
+
+    held = attrs.evolve(EDL, movements=(Movement(R(100, 120)),))
+    assert o.basis_of(held) == o.basis_of(EDL), "what was conformed before lamps were followed holds"
+    assert o.changed(o.basis_of(moving(1.0)), o.basis_of(held)) == (R(96, 125),)
+    assert o.changed(o.basis_of(moving(1.0)), o.basis_of(moving(2.0))) == (R(96, 125),)
+    assert o.basis_of(loads(dumps(moving(1.0)))) == o.basis_of(moving(1.0))
+    check_tiles([piece for piece, _ in o.basis_of(moving(1.0))], EDL.frames, "basis")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from blender_recording import SIZE, in_blender
 
-from blender_addon.core.strip_plan import corrected, planned_transform
+from blender_addon.core.camera_places import corrected, planned_transform
 from mcsl_core import edl as edls
 from mcsl_core.evaluation.manual_alignment import StripTransform, load_manual
 
