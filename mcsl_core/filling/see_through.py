@@ -44,7 +44,8 @@ _MOST_GAIN, _BINS = 0.4, 40  # of exposure, natural logarithm; votes for it are 
 _ALL_BUT = 0.3  # of a picture that must share the gain: heads cover the rest
 _ALIKE = (12.0, 26.0)  # codes between two cameras' live pictures: the same thing, another one
 _THIN, _GAP, _BAY = 7, 5, 21  # cells: a region narrower than that is no head; gaps and bays that are closed
-_LEAST = 0.01  # of the picture: a smaller region is no head
+_LEAST = 0.025  # of the picture: a smaller region is no head; what was cut of a resting hand was 0.016
+_SOLID = 0.75  # of a region that changed: 0.81 to 1 of heads, 0.67 of a hand that had moved a little
 _FREE = 0.15  # of a region that free air crosses for certain
 _RIM = 5  # cells: a head's blurred outline lies within two of what is found of it
 
@@ -59,6 +60,8 @@ class Background:
         Codes, matched to the reference camera's.
     verified : (rows, columns) float32
         0..1: another camera shows the same, here or all about.
+    bare : (rows, columns) float32
+        0..1: here. A hand that rests in all medians is all about the field, and no camera looks through it.
     hidden : (rows, columns) float32
         0..1: where its own median shows something in its way.
     median : (rows, columns, 3) float32
@@ -67,6 +70,7 @@ class Background:
 
     shown: Cells
     verified: Cells
+    bare: Cells
     hidden: Cells
     median: Cells
 
@@ -90,10 +94,10 @@ def backgrounds(medians: Mapping[str, Cells], rays: Mapping[str, Rays]) -> dict[
     for name, median in medians.items():
         others = [other for other in medians if other != name]
         back = rays[name].programme
-        own, verified = taken(np.asarray(about[name], np.float32), back), np.zeros_like(median[..., 0])
-        verified = np.maximum(verified, own)
+        verified = taken(about[name], back)
+        bare = taken(np.minimum(about[name], exact[name]), back)
         if len(others) < 2:
-            found[name] = Background(median, verified, np.zeros_like(verified), median)
+            found[name] = Background(median, verified, bare, np.zeros_like(verified), median)
             continue
         weights = np.stack([(exact[o] + 0.3 * about[o]) ** 2 for o in others]) + 1e-6
         theirs = (np.nan_to_num(np.stack([laid[o] for o in others])) * weights[..., None]).sum(0)
@@ -102,7 +106,7 @@ def backgrounds(medians: Mapping[str, Cells], rays: Mapping[str, Rays]) -> dict[
         another = _ramp(_apart(laid[name], theirs), *_ANOTHER)
         hidden = taken(_ramp(agreed * (1 - about[name]) * another, 0.2, 0.8), back)
         shown = median + hidden[..., None] * (taken(theirs.astype(np.float32), back) - median)
-        found[name] = Background(shown.astype(np.float32), verified, hidden, median)
+        found[name] = Background(shown.astype(np.float32), verified, bare, hidden, median)
     return found
 
 
@@ -260,7 +264,7 @@ class Moment:
         stays[maybe] = self._stays(camera, free[:, :, maybe], maybe)
         high = (changed * (1 - stays) > 0.5).astype(np.uint8)
         high = cv2.morphologyEx(high, cv2.MORPH_CLOSE, _disc(_GAP))
-        found = _regions(np.asarray(cv2.morphologyEx(high, cv2.MORPH_OPEN, _disc(_THIN)), np.uint8), through)
+        found = _regions(np.asarray(cv2.morphologyEx(high, cv2.MORPH_OPEN, _disc(_THIN)), np.uint8), changed, through)
         if not found.any():
             return found.astype(np.float32)
         # What a head leaves open between its parts is its own, but for what may be a hand that comes and goes.
@@ -281,7 +285,7 @@ class Moment:
         for name, cells in self.rays[camera].along.items():
             if name in self.changed:
                 near = np.asarray(cv2.dilate(self.changed[name], np.ones((3, 3), np.uint8)), np.float32)
-                found.append(taken((1 - near) * self.behind[name].verified, cells))
+                found.append(taken((1 - near) * self.behind[name].bare, cells))
         return np.stack(found)
 
     def _stays(self, camera: str, free: Cells, where: np.ndarray) -> Cells:
@@ -311,13 +315,14 @@ class Moment:
         return _dilated(np.asarray(self.changed[name] * (1 - stands), np.float32))
 
 
-def _regions(high: U8, through: Cells) -> U8:
-    """The regions that are large and crossed by free air."""
+def _regions(high: U8, changed: Cells, through: Cells) -> U8:
+    """The regions that are large, changed nearly all over, and crossed by free air."""
     count, labels = cv2.connectedComponents(high)
     found = np.zeros(high.shape, np.uint8)
     for label in range(1, count):
         region = labels == label
-        if region.mean() >= _LEAST and through[region].mean() >= _FREE:
+        solid = changed[region].mean() >= _SOLID and through[region].mean() >= _FREE
+        if region.mean() >= _LEAST and solid:
             found[region] = 1
     return found
 

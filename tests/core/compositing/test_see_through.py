@@ -68,6 +68,13 @@ def test_a_hand_stays_to_the_last_pixel():
             assert np.array_equal(a.y, b.y)
 
 
+@pytest.mark.parametrize("camera", ["cam1", "cam2"])
+def test_a_hand_that_rests_in_every_median_and_then_moves_a_little_stays(camera):
+    film = Filmed([Thing(20.0, lambda frame: (30.0 + 6 * (frame >= 48), -20.0), 45, GLOVE)])
+    plain, seen = (one(programme(camera, see_through=on), film, 52) for on in (False, True))
+    assert np.array_equal(plain.y, seen.y)
+
+
 def test_a_hand_beside_a_head_stays():
     away = Thing(HAND, lambda frame: (-170.0 + frame % 9, 90.0), 25, GLOVE)
     film = Filmed([away, head("cam1")])
