@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from attrs import frozen
+from attrs import evolve, frozen
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
@@ -31,7 +31,7 @@ _MOST_OFF = 4.0 / 960  # of the width, median: what fits no better is no rigid r
 
 @frozen(eq=False)
 class LampView:
-    """Where the lamp stands, against where it stood when the perspective began.
+    """Where the lamp stands, against where it stood in the pose that views count from.
 
     Attributes
     ----------
@@ -78,12 +78,12 @@ class Lamp:
     sizes : mapping of str to (int, int)
         Every camera's full width and height.
     focal : mapping of str to float
-        Focal lengths in pixels, where the perspective began.
+        Focal lengths in pixels, in the pose that views count from.
     mounts : mapping of str to (3, 4) array
         Rotation and translation of each camera in the reference camera's frame.
     to_metric : (4, 4) array
-        Programme pixel and gamma, (x, y, 1, gamma), to a point before the reference camera where the perspective began,
-        homogeneous; lengths in distances to the field.
+        Programme pixel and gamma, (x, y, 1, gamma), to a point before the reference camera in that pose, homogeneous;
+        lengths in distances to the field.
     """
 
     sizes: Mapping[str, tuple[int, int]]
@@ -111,11 +111,11 @@ def calibrate(
     Parameters
     ----------
     poses : sequence of mapping of str to (3, 4) array
-        Camera -> its projection over programme pixels; the first is where the perspective began.
+        Camera -> its projection over programme pixels; the first is where the views count from.
     points : (N, 3) array
         Scene points, programme pixel and gamma, spread over what is seen.
     reference : str
-        The camera whose picture the programme's pixels are, in the first pose.
+        The reference camera, known in the first pose.
     sizes : mapping of str to (int, int)
         Every camera's full width and height.
 
@@ -127,12 +127,18 @@ def calibrate(
     cameras = sorted(set().union(*poses) - {reference})
     if reference not in poses[0] or not cameras:
         return None
-    problem = _Calibration(poses, points, reference, cameras, sizes)
+    base = np.vstack([poses[0][reference], [0, 0, 0, 1]])  # the reference camera's own pixel, and gamma
+    back = np.linalg.inv(base)
+    own = np.column_stack([points[:, :2], np.ones(len(points)), points[:, 2]]) @ base.T
+    own = own / own[:, 2:3]
+    based = [{name: p @ back for name, p in pose.items()} for pose in poses]
+    problem = _Calibration(based, own[:, [0, 1, 3]], reference, cameras, sizes)
     best = min((problem.solved(focal, sign) for focal in _FOCALS for sign in (1, -1)), key=lambda found: found[0])
     cost, numbers = best
     if not np.isfinite(cost) or np.median(problem.distances(numbers)) > _MOST_OFF:
         return None
-    return problem.lamp(numbers), problem.views(numbers)
+    lamp = problem.lamp(numbers)
+    return evolve(lamp, to_metric=lamp.to_metric @ base), problem.views(numbers)
 
 
 class _Calibration:

@@ -80,6 +80,20 @@ def test_a_rig_is_calibrated_from_its_projections() -> None:
     assert views[1].zoom == pytest.approx(MOVED.zoom, abs=0.02)
 
 
+def test_views_may_count_from_a_later_pose() -> None:
+    """In which the reference camera does not see what the programme's pixels are."""
+    true, points = true_lamp(), scene()
+    poses = [seen(true, MOVED), seen(true, AT_REST)]
+    found = calibrate(poses, points, "cam1", dict.fromkeys(NAMES, SIZE))
+    assert found is not None
+    lamp, views = found
+    for view, pose in zip(views, poses, strict=True):
+        for name in NAMES:
+            off = project(lamp.projection(name, view), points) - project(pose[name], points)
+            assert np.hypot(*off.T).max() < 0.1
+    assert lamp.focal["cam2"] == pytest.approx(true.focal["cam2"] * np.exp(MOVED.zoom), rel=0.02)
+
+
 def test_what_no_rigid_rig_explains_is_refused() -> None:
     true, points = true_lamp(), scene()
     poses = [seen(true, AT_REST), seen(true, MOVED)]
