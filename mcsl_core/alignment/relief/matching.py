@@ -44,7 +44,6 @@ _SAMPLES = 12  # of those, spread over the pose
 # hands work all over the field all the while it is 0: planes were 2 to 11 times the best one's error, with single
 # samples 1.3. Other poses had 0.48 and more, where single samples brought in hands: 1.03 became 1.2.
 _LEAST_COVERED = 0.25
-_FOR_ONCE = 0.5  # the same, by one moment's matches: 0.7 to 0.9 where it shows the middle, by chance 0.1 to 0.35
 _AIM = 0.15  # of the width: the middle's radius, where it counts 1/e
 # The share of the field's grid that is matched with the reference, below which other cameras are matched with each
 # other: 0.3 to 0.9 where no head hid the field from the reference all the while.
@@ -222,9 +221,8 @@ def _matched(views: Views, laid: Mapping[str, Array], settings: DenseSettings) -
     }
     pairs = match_densely(steady, everywhere, settings)
     counted = tracks_of(pairs, list(laid)).counted()
-    enough = _aim_covered(pairs, views.reference, views) >= _LEAST_COVERED
-    hidden = {name for name in laid if _aim_covered(pairs, name, views) < _LEAST_COVERED}
-    few = hidden | {name for name, count in counted.items() if count < _PLENTY or not enough} - {views.reference}
+    enough = _aim_covered(pairs, views) >= _LEAST_COVERED
+    few = {name for name, count in counted.items() if count < _PLENTY or not enough} - {views.reference}
     if not few:
         return _Matches(pairs, pairs)
     at = np.unique(np.linspace(0, len(views.samples) - 1, _SAMPLES).round().astype(int))
@@ -232,34 +230,26 @@ def _matched(views: Views, laid: Mapping[str, Array], settings: DenseSettings) -
         name: AlignedCamera([views.samples[i].get(name) for i in at], to_camera, views.sizes[name])
         for name, to_camera in maps.items()
     }
-    found = _with(pairs, match_densely(single, everywhere, settings, few))
-    hidden = {name for name in laid if _aim_covered(found, name, views) < _LEAST_COVERED}
-    rare = match_densely(single, everywhere, attrs.evolve(settings, moments=1), hidden) if hidden else {}
-    shown = {name for name in hidden if _aim_covered(rare, name, views) >= _FOR_ONCE}
-    true = {pair: matches for pair, matches in rare.items() if shown.intersection(pair)}
-    return _Matches(pairs if enough else found, _with(found, true))
+    more = match_densely(single, everywhere, settings, few)
+    joined = {pair: _joined(pairs[pair], own) if pair in pairs else own for pair, own in more.items()}
+    found = {**pairs, **joined}
+    return _Matches(pairs if enough else found, found)
 
 
-def _aim_covered(pairs: Pairs, name: str, views: Views) -> float:
-    """The share of the middle of a camera's picture that its matches lie in, 0..1."""
-    width, height = size_at_columns(views.sizes[name], WIDTH)
+def _aim_covered(pairs: Pairs, views: Views) -> float:
+    """The share of the picture's middle that matches with the reference lie in, 0..1."""
+    width, height = views.size
     x, y = np.meshgrid(np.arange(width) - width / 2, np.arange(height) - height / 2)
     aim = np.exp(-((np.hypot(x, y) / (_AIM * width)) ** 2))
     there = np.zeros((height, width), np.uint8)
-    reduced = scaling(views.sizes[name], (width, height))
-    for pair, matches in pairs.items():
-        if name in pair:
-            at = np.round(transform_points(reduced, matches.a if pair[0] == name else matches.b)).astype(int)
-            column, row = at[((at >= 0) & (at < (width, height))).all(axis=1)].T
+    to_views = scaling(views.sizes[views.reference], views.size)
+    for (a, _), matches in pairs.items():
+        if a == views.reference:
+            column, row = np.round(transform_points(to_views, matches.a)).astype(int).T
             there[row, column] = 1
     reach = 2 * BY_PLANE.grid_px + 1
     covered = cv2.dilate(there, np.ones((reach, reach), np.uint8))  # pyright: ignore[reportArgumentType]
     return float((covered * aim).sum() / aim.sum())
-
-
-def _with(pairs: Pairs, more: Pairs) -> Pairs:
-    """All pairs' matches, and more where those have nothing."""
-    return {**pairs, **{pair: _joined(pairs[pair], own) if pair in pairs else own for pair, own in more.items()}}
 
 
 def _joined(first: Correspondences, second: Correspondences) -> Correspondences:

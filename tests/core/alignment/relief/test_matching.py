@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from cloth_scene import RIG, SIZE, cloth, hill, taken, waves
 
-from mcsl_core.alignment.relief.cameras import Tracks, confirmed
 from mcsl_core.alignment.relief.matching import Views, field_pairs, relief_cameras
 from mcsl_core.alignment.relief.rig import Rig
 from mcsl_core.alignment.steady import SteadyView
@@ -140,27 +139,6 @@ def test_cameras_of_a_limb_are_found_from_planes_that_lie_far_off(wrong) -> None
     scene = np.column_stack([found.points[:, :2], limb(found.points[:, :2])])
     for name, own in rig.items():
         assert np.median(np.hypot(*(project(found.projections[name], found.points) - project(own, scene)).T)) < 0.3
-
-
-@pytest.mark.parametrize("hidden", ["b", "d"])
-def test_a_camera_that_sees_the_middle_for_one_moment_is_tied_by_that(hidden: str) -> None:
-    rig = {**RIG, "d": FOURTH}
-    over = cloth()
-    free = {name: taken(own, over) for name, own in rig.items()}
-    head = np.ones(SIZE[::-1], np.uint8)
-    cv2.ellipse(head, (240, 135), (150, 240), 0, 0, 360, 0, -1)
-    leaning = {**free, hidden: free[hidden] * head[..., None]}
-    seen = views(leaning)
-    seen.steady[hidden] = SteadyView(leaning[hidden], head > 0)  # pyright: ignore[reportIndexIssue]
-    for_once = Views("ref", seen.sizes, seen.steady, [leaning] * 7 + [free] + [leaning] * 3)
-    cameras = relief_cameras(for_once, planes(rig=rig))
-    assert cameras is not None
-    assert set(cameras.projections) == set(rig)
-    aim = np.column_stack([240 + 60 * np.cos(np.arange(12)), 135 + 60 * np.sin(np.arange(12))])
-    there = {name: project(own, np.column_stack([aim, hill(aim)])) for name, own in rig.items()}
-    tracks = Tracks(tuple(cameras.projections), np.stack([there[name] for name in cameras.projections], axis=1))
-    for name, (judged, share) in confirmed(tracks, cameras.projections, dict.fromkeys(rig, SIZE)).items():
-        assert (judged, share) == (12, 1.0), name
 
 
 def told(zoom: float) -> Rig:
