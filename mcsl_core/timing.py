@@ -130,6 +130,17 @@ def ranges_of(frames: Iterable[int]) -> list[FrameRange]:
     return ranges
 
 
+def joined(pieces: Iterable[FrameRange]) -> list[FrameRange]:
+    """The same frames in as few ranges as can be, in order."""
+    ranges: list[FrameRange] = []
+    for piece in sorted(pieces):
+        if ranges and piece.start <= ranges[-1].stop:
+            ranges[-1] = FrameRange(ranges[-1].start, max(ranges[-1].stop, piece.stop))
+        else:
+            ranges.append(piece)
+    return ranges
+
+
 def merge_equal(pieces: Sequence[tuple[FrameRange, T]]) -> list[tuple[FrameRange, T]]:
     """Neighbouring pieces with equal values joined into one."""
     merged: list[tuple[FrameRange, T]] = []

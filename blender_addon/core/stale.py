@@ -25,7 +25,7 @@ from mcsl_core.documents import canonical_json
 from mcsl_core.edl import Edl
 from mcsl_core.edl.dependencies import View, movement_over, relief_of, sees_through, views_of
 from mcsl_core.edl.resolve import Decision, resolve_by_pose
-from mcsl_core.timing import FrameRange, merge_equal
+from mcsl_core.timing import FrameRange, joined, merge_equal
 
 from .moving import followed_ranges
 
@@ -129,25 +129,14 @@ def changed(now: Basis, then: Basis) -> tuple[FrameRange, ...]:
         at = stop
         i += a is not None and a[0].stop == at
         j += b is not None and b[0].stop == at
-    return tuple(_joined(piece for piece, _ in differing))
-
-
-def _joined(pieces: Iterable[FrameRange]) -> list[FrameRange]:
-    """The same frames in as few ranges as can be, in order."""
-    result: list[FrameRange] = []
-    for piece in sorted(pieces):
-        if result and piece.start <= result[-1].stop:
-            result[-1] = FrameRange(result[-1].start, max(result[-1].stop, piece.stop))
-        else:
-            result.append(piece)
-    return result
+    return tuple(joined(piece for piece, _ in differing))
 
 
 def without(pieces: Iterable[FrameRange], holes: Iterable[FrameRange]) -> tuple[FrameRange, ...]:
     """The frames of ``pieces`` that no hole has, in as few ranges as can be."""
     result: list[FrameRange] = []
-    gaps = _joined(holes)
-    for piece in _joined(pieces):
+    gaps = joined(holes)
+    for piece in joined(pieces):
         at = piece.start
         for gap in _touching(gaps, piece):
             if gap.start > at:

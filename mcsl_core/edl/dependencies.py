@@ -16,6 +16,7 @@ from attrs import frozen
 from mcsl_core.timing import FrameRange
 
 from .colour import ColourKey, Matrix34, keys_over
+from .following import poses_beside
 from .placement import correction_of, first_of_perspective, other_poses, placement_matrix, still_range
 from .resolve import Decision, offset_at
 from .schema import Camera, Edl, Matrix, Pose
@@ -145,8 +146,7 @@ def movement_over(edl: Edl, part: FrameRange) -> list[Any]:
     for movement in edl.movements:
         views = movement.views
         if views and views[0].frame < part.stop and part.start <= views[-1].frame:
-            middle = (movement.range.start + movement.range.stop) // 2
-            beside = [edl.pose_at(max(0, middle - 1)), edl.pose_at(min(middle, edl.frames - 1))]
+            beside = poses_beside(edl, movement)
             colours = [{name: colour.matrix for name, colour in pose.colour.items()} for pose in beside]
             reliefs = [pose.relief and [pose.relief.gamma, pose.relief.confidence] for pose in beside]
             goes_over = list(zip(colours, reliefs, strict=True))

@@ -60,8 +60,7 @@ def followed_pose(edl: Edl, movement: Movement, frame: int) -> Pose:
         One between its first and last views.
     """
     first, last = movement.views[0].frame, movement.views[-1].frame
-    middle = (movement.range.start + movement.range.stop) // 2
-    before, after = edl.pose_at(max(0, middle - 1)), edl.pose_at(min(middle, edl.frames - 1))
+    before, after = poses_beside(edl, movement)
     way = _smooth((frame - first) / max(last - first, 1))
     shown = {camera.name: shown_at(camera, frame, edl.rate) for camera in edl.cameras}
     projections = _at(movement, shown, [view.projections for view in movement.views])
@@ -71,9 +70,15 @@ def followed_pose(edl: Edl, movement: Movement, frame: int) -> Pose:
         anchor=IDENTITY,
         perspective=before.perspective,
         colour=_colours(before.colour, after.colour, way),
-        colour_keys=before.colour_keys if frame < middle else after.colour_keys,
+        colour_keys=before.colour_keys if frame < after.range.start else after.colour_keys,
         relief=_relief(before.relief, after.relief, projections, way),
     )
+
+
+def poses_beside(edl: Edl, movement: Movement) -> tuple[Pose, Pose]:
+    """The poses before and after a movement, which meet in its middle."""
+    middle = (movement.range.start + movement.range.stop) // 2
+    return edl.pose_at(max(0, middle - 1)), edl.pose_at(min(middle, edl.frames - 1))
 
 
 def homographies_at(movement: Movement, shown: Mapping[str, float]) -> dict[str, Matrix]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing
 from fractions import Fraction
 from itertools import chain
@@ -14,7 +14,7 @@ from mcsl_core.edl import Camera
 from mcsl_core.media.damage import Damage, find_damage
 from mcsl_core.media.reading import VideoReader
 from mcsl_core.progress import Progress
-from mcsl_core.timing import FrameRange, format_time
+from mcsl_core.timing import FrameRange, format_time, joined
 
 from .decoder import Part, part_at
 from .footage import Footage
@@ -66,7 +66,7 @@ def with_gaps(footage: Footage, damage: DamageOf, progress: Progress) -> tuple[C
             progress.note(note)
         if len(notes) > _MOST_NOTES:
             progress.note(f"{camera.name}: {len(notes) - _MOST_NOTES} more such stretches, see its gaps in the report")
-        cameras.append(attrs.evolve(camera, gaps=tuple(_joined(gaps))))
+        cameras.append(attrs.evolve(camera, gaps=tuple(joined(gaps))))
     return tuple(cameras)
 
 
@@ -75,15 +75,6 @@ def _gap(footage: Footage, camera: Camera, part: Part, damage: Damage) -> FrameR
     begin_s = part.begin_s - part.facts.tolerance_s
     start, stop = (footage.first_showing(camera.name, begin_s + s) for s in (damage.start_s, damage.stop_s))
     return FrameRange(start, stop) if start < stop else None
-
-
-def _joined(gaps: Sequence[FrameRange]) -> list[FrameRange]:
-    joined: list[FrameRange] = []
-    for gap in sorted(gaps):
-        if joined and gap.start <= joined[-1].stop:
-            gap = FrameRange(joined[-1].start, max(joined.pop().stop, gap.stop))
-        joined.append(gap)
-    return joined
 
 
 def damage_met(footage: Footage, samples: SampleStore, progress: Progress) -> DamageOf:

@@ -21,7 +21,7 @@ from mcsl_core.occlusion.scoring import ScoringSegment
 from mcsl_core.progress import Progress
 from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.sample_store import SAMPLE_HEIGHT
-from mcsl_core.timing import FrameRange
+from mcsl_core.timing import FrameRange, joined
 
 
 @frozen
@@ -170,17 +170,6 @@ def fast_changes(table: ScoreTable, step: int, change: float) -> list[FrameRange
         else:
             stretches.append(FrameRange(start, stop))
     return stretches
-
-
-def joined(pieces: Sequence[FrameRange]) -> list[FrameRange]:
-    """The same frames in order, those that touch as one."""
-    found: list[FrameRange] = []
-    for piece in sorted(pieces):
-        if found and piece.start <= found[-1].stop:
-            found[-1] = FrameRange(found[-1].start, max(found[-1].stop, piece.stop))
-        else:
-            found.append(piece)
-    return found
 
 
 def _within(

@@ -68,7 +68,7 @@ def follow_movements(
     *,
     reference: str,
 ) -> tuple[Movement, ...]:
-    """The movements, with how the cameras lie in them where both poses beside have reliefs and one perspective.
+    """The movements, with how the cameras lie in them where the poses beside share a perspective with a relief.
 
     Parameters
     ----------
