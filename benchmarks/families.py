@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from benchmarks.accuracy import RESULTS, alignment, table, visible_share
 from mcsl_core import edl
-from mcsl_core.analysis.cache import POSES
+from mcsl_core.analysis.cache import PLACED
 from mcsl_core.analysis.pipeline import analyse
 from mcsl_core.analysis.settings import AnalysisSettings
 from mcsl_core.hooks.registry import discover
@@ -109,9 +109,9 @@ def chosen(made: edl.Edl, truth: Truth) -> dict[str, float]:
 
 def field_iou(out: Path, truth: Truth) -> float:
     """Intersection over union of the field that the analysis went by and the true one, mean of the poses."""
-    newest = max((out.parent / "edl.cache").glob("poses-*.npz"), key=lambda file: file.stat().st_mtime_ns)
+    newest = max((out.parent / "edl.cache").glob("placed-*.npz"), key=lambda file: file.stat().st_mtime_ns)
     with np.load(newest) as arrays:
-        solved = POSES.unpack(dict(arrays))
+        solved = PLACED.unpack(dict(arrays))
     found = []
     for pose in solved:
         middle = (pose.pose.range.start + pose.pose.range.stop) // 2

@@ -17,7 +17,7 @@ from attrs import frozen
 
 from mcsl_core.edl import Camera, Edl, Matrix, Movement, Pose
 from mcsl_core.edl.checks import IDENTITY
-from mcsl_core.edl.following import homographies_at, shown_at
+from mcsl_core.edl.following import homographies_at, poses_beside, shown_at
 from mcsl_core.edl.placement import multiply
 from mcsl_core.timing import FrameRange
 
@@ -67,8 +67,7 @@ def _carried(edl: Edl, camera: Camera, movement: Movement, homographies: dict[in
     """The transform at each frame of ``homographies``; the closest one at the first and at the last of them."""
     if not homographies:
         return {}
-    middle = (movement.range.start + movement.range.stop) // 2
-    fields = [field_middle(edl, edl.pose_at(n)) for n in (max(0, middle - 1), min(middle, edl.frames - 1))]
+    fields = [field_middle(edl, pose) for pose in poses_beside(edl, movement)]
     first, last = min(homographies), max(homographies)
     ways = {n: (n - first) / max(last - first, 1) for n in homographies}
     touch = {n: touching(matrix, fields[0] + ways[n] * (fields[1] - fields[0])) for n, matrix in homographies.items()}

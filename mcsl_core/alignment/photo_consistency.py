@@ -48,6 +48,11 @@ class Agreement:
         """By how many standard deviations more are found than by chance."""
         return (self.found - _CHANCE * self.tried) / float(np.sqrt(max(self.tried, 1) * _CHANCE * (1 - _CHANCE)))
 
+    @property
+    def refutes(self) -> bool:
+        """Whether that is too little for views that are laid rightly."""
+        return self.tried >= _ENOUGH and self.over_chance < _SURE
+
 
 @frozen(eq=False)
 class LaidView:
@@ -112,20 +117,17 @@ def refuted(laid: Mapping[str, LaidView], reference: str, reach: int) -> dict[st
     pairs = {pair: agreement(laid[pair[0]], laid[pair[1]], reach) for pair in combinations(sorted(laid), 2)}
     right = {reference}
     while True:
-        near = [pair for pair, found in pairs.items() if len(right.intersection(pair)) == 1 and _is_sure(found)]
+        sure = [pair for pair, found in pairs.items() if found.over_chance >= _SURE]
+        near = [pair for pair in sure if len(right.intersection(pair)) == 1]
         if not near:
             break
         right.update(*near)
     wrong = {}
     for name in laid.keys() - right:
         all_found = sum((found for pair, found in pairs.items() if name in pair and right & set(pair)), Agreement())
-        if all_found.tried >= _ENOUGH and not _is_sure(all_found):
+        if all_found.refutes:
             wrong[name] = all_found
     return wrong
-
-
-def _is_sure(found: Agreement) -> bool:
-    return found.over_chance >= _SURE
 
 
 def _share(mask: Mask, box: int) -> NDArray[np.float32]:

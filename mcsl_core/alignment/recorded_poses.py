@@ -29,7 +29,7 @@ _ENOUGH = 3  # samples with the reference camera's picture from which a pose is 
 
 def pose_ranges(movements: Sequence[Movement], frames: int) -> list[FrameRange]:
     """The frames between the middles of the movements; they tile [0, frames)."""
-    middles = [(m.range.start + m.range.stop) // 2 for m in movements]
+    middles = [m.middle for m in movements]
     cuts = [0, *(m for m in middles if 0 < m < frames), frames]
     return [FrameRange(a, b) for a, b in zip(cuts, cuts[1:], strict=False)]
 

@@ -10,11 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import attrs
+from threadpoolctl import threadpool_limits
 
 from mcsl_core import __version__, edl
 from mcsl_core.alignment.pose_colours import follow_drift
 from mcsl_core.alignment.pose_solver import PoseSolver
 from mcsl_core.alignment.poses import solve_poses
+from mcsl_core.alignment.tracking.followed_poses import PosePlacer
 from mcsl_core.alignment.tracking.movement_views import follow_movements
 from mcsl_core.centering.gaze_files import GazeFile, Shown, read_gaze
 from mcsl_core.centering.positions import field_positions, gaze_positions, looks_unplaced
@@ -47,6 +49,7 @@ from .cache import (
     FOLLOWED,
     MERITS,
     MOVEMENTS,
+    PLACED,
     POSES,
     SCORES,
     Deferred,
@@ -57,6 +60,8 @@ from .measurements import Measurements
 from .place import EdlPlace, cache_folder
 from .settings import AnalysisSettings
 from .stage_keys import clocks_key, damage_key, stage_keys
+
+_BLAS_THREADS = 1  # for small matrices: threads that wait for each other on a busy machine took 200 times as long
 
 
 def analyse(
@@ -77,7 +82,7 @@ def analyse(
     """
     chosen = _chosen(settings, plugins)
     place = EdlPlace.claimed(out, recording, settings.gaze, force=force)
-    with place.held():
+    with place.held(), threadpool_limits(_BLAS_THREADS, user_api="blas"):
         made = _analysed(recording, place, settings, chosen, progress)
         remembered = edl.remember(made, out)  # before anything is told: a note may stop the work
         tell_of_fields(made, progress)
@@ -113,6 +118,8 @@ def _analysed(
         movements = detection.movements
         solved = cache.remember(POSES, keys.poses, solve_poses, solver, samples, movements, frames, progress, drawn)
         if settings.movement_view == "follow":
+            placer = Deferred(PosePlacer, samples, footage, movements, reference.name)
+            solved = cache.remember(PLACED, keys.placed, PosePlacer.place, placer, solved, progress)
             follow = partial(follow_movements, reference=reference.name)
             movements = cache.remember(FOLLOWED, keys.followed, follow, samples, solved, movements, footage, progress)
         colours = cache.remember(COLOURS, keys.colours, follow_drift, samples, solved, footage, movements, progress)

@@ -16,6 +16,7 @@ from attrs import frozen
 
 from mcsl_core.alignment.pose_colours import follow_drift
 from mcsl_core.alignment.poses import solve_poses
+from mcsl_core.alignment.tracking.followed_poses import PosePlacer
 from mcsl_core.alignment.tracking.movement_views import follow_movements
 from mcsl_core.code_keys import code_of
 from mcsl_core.edl import Camera, DrawnField, Shot
@@ -39,6 +40,7 @@ class StageKeys:
     samples: str
     movements: str
     poses: str
+    placed: str
     followed: str
     colours: str
     merits: str
@@ -70,13 +72,14 @@ def stage_keys(
     )
     if drawn:
         poses = key_of(poses, [(each.range.start, each.range.stop, each.polygons) for each in drawn])
-    followed = key_of(code_of(follow_movements), poses)
-    seen = followed if settings.movement_view == "follow" else poses
-    colours = key_of(code_of(follow_drift), poses)
-    merits = key_of(code_of(pose_merits), poses)
+    placed = key_of(code_of(PosePlacer), poses)
+    followed = key_of(code_of(follow_movements), placed)
+    own, seen = (placed, followed) if settings.movement_view == "follow" else (poses, poses)
+    colours = key_of(code_of(follow_drift), own)
+    merits = key_of(code_of(pose_merits), own)
     scores = key_of(code_of(score_views), seen, by["occlusion"])
     closer = key_of(code_of(look_closer), scores)
-    return StageKeys(clocks, samples, movements, poses, followed, colours, merits, scores, closer)
+    return StageKeys(clocks, samples, movements, poses, placed, followed, colours, merits, scores, closer)
 
 
 def clocks_key(cameras: Sequence[Camera], reference: str, settings: AnalysisSettings) -> str:

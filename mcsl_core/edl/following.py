@@ -77,8 +77,7 @@ def followed_pose(edl: Edl, movement: Movement, frame: int) -> Pose:
 
 def poses_beside(edl: Edl, movement: Movement) -> tuple[Pose, Pose]:
     """The poses before and after a movement, which meet in its middle."""
-    middle = (movement.range.start + movement.range.stop) // 2
-    return edl.pose_at(max(0, middle - 1)), edl.pose_at(min(middle, edl.frames - 1))
+    return edl.pose_at(max(0, movement.middle - 1)), edl.pose_at(min(movement.middle, edl.frames - 1))
 
 
 def homographies_at(movement: Movement, shown: Mapping[str, float]) -> dict[str, Matrix]:

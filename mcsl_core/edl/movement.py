@@ -61,6 +61,11 @@ class Movement:
         ),
     )
 
+    @property
+    def middle(self) -> int:
+        """The frame at which one pose ends and the next begins."""
+        return (self.range.start + self.range.stop) // 2
+
 
 def unfollowed(movements: Iterable[Movement]) -> tuple[Movement, ...]:
     """The movements without views: the programme holds its camera in them."""

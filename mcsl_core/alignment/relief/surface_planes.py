@@ -1,10 +1,10 @@
-"""What ties the planes of a pose in which hands rest: points of the surface all over the field, hands left out."""
+"""What ties the planes of a pose whose surface is known: points of the surface all over the field, hands left out."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from mcsl_core.imaging.geometry import project, scaling, size_at_columns, transform_points
+from mcsl_core.imaging.geometry import Array, project, scaling, size_at_columns, transform_points
 from mcsl_core.imaging.masks import Mask, mask_at, resize_mask
 from mcsl_core.imaging.relief import node_pixels
 
@@ -33,24 +33,14 @@ def surface_pairs(relief: PoseRelief, reference: str, field: Mask) -> Pairs:
     mapping of (str, str) to Correspondences
         Each camera's with the reference; outside of the field what weighs next to nothing, as `field_pairs` has it.
     """
-    full, size = relief.scene.size, size_at_columns(relief.scene.size, WIDTH)
-    mask = resize_mask(field, size)
-    surface = relief.seen
-    sure = surface.confidence > _LAYS
-    if not sure.any():
+    size = relief.scene.size
+    nodes = sure_nodes(relief.seen.gamma, relief.seen.confidence, size)
+    if not len(nodes):
         return {}
-    nodes = np.column_stack([node_pixels(sure.shape, full)[sure.ravel()], surface.gamma[sure]])
-    at_nodes = transform_points(scaling(full, size), nodes[:, :2])
-    gamma = field_gamma(np.column_stack([at_nodes, nodes[:, 2]]), mask, relief.height).astype(np.float64)
-    every = max(1, int(np.sqrt(mask.sum() / FIELD_POINTS)))
-    inside = np.zeros_like(mask)
-    inside[::every, ::every] = True
-    at = np.argwhere(inside & mask)
-    to_full = scaling(size, full)
-    scene = np.column_stack([transform_points(to_full, at[:, ::-1].astype(np.float64)), gamma[at[:, 0], at[:, 1]]])
-    beside = nodes[~mask_at(mask, at_nodes)]
-    weight = np.concatenate([np.ones(len(scene)), np.full(len(beside), AROUND_WEIGHT)])
-    scene = np.concatenate([scene, beside])
+    inside = field_points(nodes, field, size, relief.height)
+    beside = nodes[~mask_at(field, transform_points(scaling(size, field.shape[::-1]), nodes[:, :2]))]
+    weight = np.concatenate([np.ones(len(inside)), np.full(len(beside), AROUND_WEIGHT)])
+    scene = np.concatenate([inside, beside])
     seen = np.ones(len(scene), np.int64)
     own = project(relief.scene.cameras[reference].projection, scene)
     return {
@@ -58,3 +48,53 @@ def surface_pairs(relief: PoseRelief, reference: str, field: Mask) -> Pairs:
         for name, camera in relief.scene.cameras.items()
         if name != reference and name in relief.surface.cameras
     }
+
+
+def sure_nodes(gamma: Array, confidence: Array, size: tuple[int, int]) -> Array:
+    """Where a surface says how a plane lies.
+
+    Parameters
+    ----------
+    gamma, confidence : (rows, columns) array
+        At nodes over the programme's picture; confidence 0..1.
+    size : (int, int)
+        Width and height of the programme.
+
+    Returns
+    -------
+    (N, 3) array
+        Scene points: programme pixel and gamma.
+    """
+    sure = confidence > _LAYS
+    return np.column_stack([node_pixels(gamma.shape, size)[sure.ravel()], gamma[sure]])
+
+
+def field_points(nodes: Array, field: Mask, size: tuple[int, int], height: float) -> Array:
+    """A grid of points of the surface all over the field.
+
+    Parameters
+    ----------
+    nodes : (N, 3) array
+        Scene points that are sure; one at least.
+    field : (H, W) bool array
+        Where the surgical field lies in the programme's picture, of any size.
+    size : (int, int)
+        Width and height of the programme.
+    height : float
+        See `height_of_gamma`.
+
+    Returns
+    -------
+    (M, 3) array
+        Scene points; as `field_gamma` carries the surface on where no node is sure.
+    """
+    reduced = size_at_columns(size, WIDTH)
+    mask = resize_mask(field, reduced)
+    at_nodes = transform_points(scaling(size, reduced), nodes[:, :2])
+    gamma = field_gamma(np.column_stack([at_nodes, nodes[:, 2]]), mask, height).astype(np.float64)
+    every = max(1, int(np.sqrt(mask.sum() / FIELD_POINTS)))
+    grid = np.zeros_like(mask)
+    grid[::every, ::every] = True
+    at = np.argwhere(grid & mask)
+    pixels = transform_points(scaling(reduced, size), at[:, ::-1].astype(np.float64))
+    return np.column_stack([pixels, gamma[at[:, 0], at[:, 1]]])

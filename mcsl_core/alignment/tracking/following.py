@@ -31,6 +31,9 @@ _REACH = 48.0  # pixels: what is found farther off is something else
 _ROUNDS = 2  # a frame is laid anew by what the first told
 _LEAST, _SHARE = 40, 0.12  # places that agree, and their share: with fewer the lamp is lost at a frame
 _AGREE = 8.0 / 960  # of the width: from both ends the lamp is found there
+_TRUST = (
+    0.5  # in a new speed: turns and shifts that show the same alternated, more and more, where it was trusted alone
+)
 _DAMPED = 0.8  # of its speed the lamp keeps, foretold, where it is lost
 
 
@@ -96,8 +99,8 @@ def follow(lamp: Lamp, before: End, after: End, instants: Sequence[Instant]) -> 
     -----
     From the one end over into the other: each weighs by the places that agree, and by how near it is.
     """
-    there = _Follower(lamp, before).run(instants)
-    back = _Follower(lamp, after).run(instants[::-1])[::-1]
+    there = follow_from(lamp, before, instants)
+    back = follow_from(lamp, after, instants[::-1])[::-1]
     first, last = instants[0].frame, instants[-1].frame
     found: list[LampView | None] = []
     for instant, a, b in zip(instants, there, back, strict=True):
@@ -112,6 +115,14 @@ def follow(lamp: Lamp, before: End, after: End, instants: Sequence[Instant]) -> 
         numbers = np.stack([fit.view.numbers for fit, _ in parts])
         found.append(LampView.of(weights @ numbers / weights.sum()))
     return found
+
+
+def follow_from(lamp: Lamp, end: End, instants: Sequence[Instant]) -> list[Fit | None]:
+    """Where the lamp stands at instants, by one pose alone; the parameters are those of `follow`.
+
+    The first is the nearest to the pose, which may come before them or after: they run away from it.
+    """
+    return _Follower(lamp, end).run(instants)
 
 
 def _agree(lamp: Lamp, a: Fit, b: Fit) -> bool:
@@ -138,7 +149,7 @@ class _Follower:
             fit = self._fitted(instant, foreseen, speed)
             if fit.inliers >= _LEAST and fit.share >= _SHARE:
                 if gone:
-                    speed = (fit.view.numbers - now) / gone
+                    speed = (1 - _TRUST) * speed + _TRUST * (fit.view.numbers - now) / gone
                 now, last = fit.view.numbers, instant.frame
                 found.append(fit)
             else:

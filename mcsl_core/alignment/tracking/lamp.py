@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import cv2
 import numpy as np
 from attrs import evolve, frozen
 from scipy.optimize import least_squares
@@ -26,6 +27,7 @@ Projections = Mapping[str, Array]
 _FOCALS = (1.1, 1.9, 3.0)  # widths, where the calibration starts
 _BASELINE = 0.4  # of the distance to the field: how far a camera stands from the reference, for a start
 _OFF = 1.0 / 960  # of the width, where the calibration's loss grows slower
+_FEW = 24  # points that starts are tried with
 _MOST_OFF = 4.0 / 960  # of the width, median: what fits no better is no rigid rig
 
 
@@ -61,7 +63,7 @@ class LampView:
     def motion(self) -> Array:
         """(4, 4): of the scene, before the reference camera."""
         found = np.eye(4)
-        found[:3, :3] = Rotation.from_rotvec(self.turn).as_matrix()
+        found[:3, :3] = _rotation(self.turn)
         found[:3, 3] = self.shift
         return found
 
@@ -132,9 +134,14 @@ def calibrate(
     own = np.column_stack([points[:, :2], np.ones(len(points)), points[:, 2]]) @ base.T
     own = own / own[:, 2:3]
     based = [{name: p @ back for name, p in pose.items()} for pose in poses]
-    problem = _Calibration(based, own[:, [0, 1, 3]], reference, cameras, sizes)
-    best = min((problem.solved(focal, sign) for focal in _FOCALS for sign in (1, -1)), key=lambda found: found[0])
-    cost, numbers = best
+    scene = own[:, [0, 1, 3]]
+    rough = _Calibration(based, scene[:: max(1, len(scene) // _FEW)], reference, cameras, sizes)
+    starts = (rough.solved(rough.start(focal, sign)) for focal in _FOCALS for sign in (1, -1))
+    cost, numbers = min(starts, key=lambda found: found[0])
+    if not np.isfinite(cost):
+        return None
+    problem = _Calibration(based, scene, reference, cameras, sizes)
+    cost, numbers = problem.solved(numbers)
     if not np.isfinite(cost) or np.median(problem.distances(numbers)) > _MOST_OFF:
         return None
     lamp = problem.lamp(numbers)
@@ -159,8 +166,8 @@ class _Calibration:
         self._scene = np.column_stack([points[:, :2], np.ones(len(points)), points[:, 2]])
         self._seen = [{name: project(p, points) for name, p in pose.items()} for pose in poses]
 
-    def solved(self, focal: float, sign: int) -> tuple[float, Array]:
-        """(cost, numbers), from a focal length in widths and the way gamma rises."""
+    def start(self, focal: float, sign: int) -> Array:
+        """Numbers to start from, of a focal length in widths and the way gamma rises."""
         head = np.array([np.log(focal), 0.0, 0.0, sign * 1.0])
         rest = np.zeros(7 * (len(self._cameras) + len(self._poses) - 1))
         start = np.concatenate([head, rest])
@@ -174,6 +181,10 @@ class _Calibration:
             turn, scale = (turn, s.mean()) if np.linalg.det(turn) > 0 else (-turn, -s.mean())
             own = slice(4 + 7 * index, 11 + 7 * index)
             start[own] = [np.log(focal), *Rotation.from_matrix(turn).as_rotvec(), *(mount[:, 3] / scale)]
+        return start
+
+    def solved(self, start: Array) -> tuple[float, Array]:
+        """(cost, numbers); a cost without end where nothing is found."""
         try:
             found = least_squares(self._off, start, loss="soft_l1", f_scale=_OFF, x_scale="jac", max_nfev=60)
         except (ValueError, np.linalg.LinAlgError):
@@ -205,7 +216,7 @@ class _Calibration:
         for index, name in enumerate(self._cameras):
             own = numbers[4 + 7 * index : 11 + 7 * index]
             focals[name] = float(np.exp(own[0])) * self._sizes[name][0]
-            mounts[name] = np.column_stack([Rotation.from_rotvec(own[1:4]).as_matrix(), own[4:7]])
+            mounts[name] = np.column_stack([_rotation(own[1:4]), own[4:7]])
         return Lamp(self._sizes, focals, mounts, to_metric)
 
     def views(self, numbers: Array) -> list[LampView]:
@@ -216,3 +227,7 @@ class _Calibration:
 
 def _intrinsics(focal: float, size: tuple[int, int]) -> Array:
     return np.array([[focal, 0, (size[0] - 1) / 2], [0, focal, (size[1] - 1) / 2], [0, 0, 1]])
+
+
+def _rotation(vector: Array) -> Array:
+    return np.asarray(cv2.Rodrigues(vector)[0], np.float64)

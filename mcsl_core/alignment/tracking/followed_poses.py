@@ -1,0 +1,301 @@
+"""Poses that their own pictures tie badly, placed by following the lamp there from a pose beside that is well known.
+
+Hands and heads may leave a pose too little in common between its cameras. But the lamp is rigid, and every frame of the
+movement that leads there, and of the pose itself, is held against the background of the pose beside.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+import attrs
+import cv2
+import numpy as np
+from attrs import frozen
+
+from mcsl_core.edl import Movement, Pose, Relief
+from mcsl_core.imaging.geometry import (
+    Array,
+    Homography,
+    depths,
+    inverse,
+    project,
+    scaling,
+    to_edl_matrix,
+    to_edl_projection,
+    transform_points,
+)
+from mcsl_core.imaging.masks import warp_mask
+from mcsl_core.imaging.relief import between_nodes, node_pixels
+from mcsl_core.progress import Progress
+from mcsl_core.recording.footage import Footage
+from mcsl_core.recording.sample_store import SampleStore
+
+from ..colour_match import colours_of
+from ..observations import SolvedPose
+from ..photo_consistency import Agreement, LaidView, agreement
+from ..relief.field_surface import height_of_gamma
+from ..relief.surface_planes import field_points, sure_nodes
+from ..steady import steady_view
+from .following import End, follow_from
+from .lamp import Lamp, LampView
+from .standing_poses import StandingPose, calibrated, instants_between
+from .templates import Ground
+
+_INTO_S = 1.5  # of the pose that is followed into: hands come and go, the lamp stands
+_LEAST = 4  # instants of it at which the lamp is found
+_STANDS = 2.0 / 960  # of the width, median: so near to each other they have it
+_REACH = 4  # pixels of the reduced programme by which a place of a camera that is held may be off
+_EXACT, _STEPS = 0.01, 30  # pixels; a surface over other pixels
+
+
+@frozen(eq=False)
+class PosePlacer:
+    """Places poses by following the lamp.
+
+    Attributes
+    ----------
+    samples : SampleStore
+        The recording's, for the poses' backgrounds.
+    footage : Footage
+        Whose frames are decoded.
+    movements : sequence of Movement
+        In order.
+    reference : str
+        The reference camera.
+    """
+
+    samples: SampleStore
+    footage: Footage
+    movements: Sequence[Movement]
+    reference: str
+
+    def place(self, solved: Sequence[SolvedPose], progress: Progress) -> list[SolvedPose]:
+        """The poses, those without a relief placed from their neighbours as far as the lamp can be followed to them.
+
+        Parameters
+        ----------
+        solved : sequence of SolvedPose
+            Tiling the programme, anchored.
+        progress : Progress
+            Told of the poses that are placed.
+        """
+        placed = list(solved)
+        for perspective in sorted({pose.pose.perspective for pose in solved}):
+            here = [i for i, pose in enumerate(solved) if pose.pose.perspective == perspective]
+            rig = calibrated(placed, perspective, self.reference, self.footage)
+            if rig is None:
+                continue
+            lamp, known = rig
+            for i, standing in known.items():
+                if held := self._held(lamp, standing):
+                    known[i] = self._completed(standing, held)
+                    placed[i] = known[i].pose
+                    progress.note(f"frames {placed[i].pose.range}: {', '.join(held)} placed as the lamp holds them")
+            for to, by in _ways(here, known):
+                if (found := self._followed(lamp, known[by], placed[to])) is not None:
+                    known[to], placed[to] = found, found.pose
+                    progress.note(f"frames {placed[to].pose.range}: its views lie as the lamp was followed there")
+            if here[0] in known and known[here[0]].pose is not solved[here[0]]:
+                _base_on_first(placed, known, here)
+        return [_drawn_anew(now, before) for now, before in zip(placed, solved, strict=True)]
+
+    def _followed(self, lamp: Lamp, known: StandingPose, pose: SolvedPose) -> StandingPose | None:
+        """A pose as the lamp, followed from another beside it, shows it; None where it is lost."""
+        later = pose.pose.range.start > known.pose.pose.range.start
+        border = pose.pose.range.start if later else pose.pose.range.stop
+        at = next(i for i, m in enumerate(self.movements) if m.middle == border)
+        movement, into = self.movements[at], round(_INTO_S * float(self.footage.rate))
+        if later:
+            limit = self.movements[at + 1].range.start if at + 1 < len(self.movements) else self.footage.frames
+            first, last = movement.range.start, min(movement.range.stop + into, limit - 1)
+        else:
+            limit = self.movements[at - 1].range.stop if at else 0
+            first, last = max(movement.range.start - into, limit), movement.range.stop - 1
+        if last <= first:
+            return None
+        instants = instants_between(self.footage, first, last)
+        end = known.end(lamp, self.samples, self.movements, movement)
+        ordered = instants if later else instants[::-1]
+        fits = follow_from(lamp, end, ordered)
+        stands = [f.view for f, i in zip(fits, ordered, strict=True) if f and i.frame not in movement.range]
+        view = self._common(lamp, stands, known.points)
+        return None if view is None else self._standing(lamp, end, view, known, pose)
+
+    def _common(self, lamp: Lamp, views: Sequence[LampView], points: Array) -> LampView | None:
+        """The median of views; None where they are few or show it moving."""
+        views = views[len(views) // 2 :]  # until it stands, what is found still follows
+        if len(views) < _LEAST:
+            return None
+        median = LampView.of(np.median([view.numbers for view in views], axis=0))
+        place, bound = project(lamp.projection(self.reference, median), points), _STANDS * lamp.sizes[self.reference][0]
+        off = [np.median(np.hypot(*(project(lamp.projection(self.reference, v), points) - place).T)) for v in views]
+        return median if np.median(off) < bound else None
+
+    def _standing(self, lamp: Lamp, end: End, view: LampView, known: StandingPose, pose: SolvedPose) -> StandingPose:
+        """The pose with the lamp standing so, over the relief of the one that is known."""
+        none = np.eye(3)
+        projections = {name: end.bends.get(name, none) @ lamp.projection(name, view) for name in lamp.mounts}
+        points, full, before = _field_points(known), lamp.sizes[self.reference], known.pose.aligned
+        anchor = _homography(project(projections[self.reference], points), points[:, :2])
+        there = inverse(anchor) @ np.array(known.pose.pose.anchor)
+        warp = scaling(full, pose.aligned.size) @ there @ scaling(before.size, full)
+        aligned = attrs.evolve(pose.aligned, field=warp_mask(before.field, warp, pose.aligned.size), hands={})
+        made = attrs.evolve(
+            pose.pose, anchor=to_edl_matrix(anchor), relief=_document(known.gamma, known.confidence, projections)
+        )
+        made = attrs.evolve(pose, pose=made, aligned=aligned, field_by=known.pose.field_by)
+        made = self._by_surface(made, projections, points, lamp.mounts)
+        return _standing(made, view)
+
+    def _held(self, lamp: Lamp, standing: StandingPose) -> dict[str, Array]:
+        """Camera -> its projection, of those that the pose's relief lacks and that lie better so than by their planes.
+
+        How their pictures agree with the others' decides; a weak camera has no plane, and may but be refuted.
+        """
+        lacking = sorted(lamp.mounts.keys() - standing.projections.keys())
+        if not lacking:
+            return {}
+        ground = Ground.of(lamp.sizes[self.reference], standing.gamma)
+        shown = {n: steady_view([self.samples.picture(i, n) for i in standing.pose.samples]) for n in lamp.mounts}
+        views = {name: view for name, view in shown.items() if view is not None}
+
+        def laid(name: str, projection: Array) -> LaidView:
+            grey = np.asarray(cv2.cvtColor(views[name].picture, cv2.COLOR_BGR2GRAY), np.uint8)
+            steady = ground.laid(grey, lamp.sizes[name], projection, views[name].steady) > 0
+            return LaidView(ground.laid(grey, lamp.sizes[name], projection), steady)
+
+        known = [laid(name, projection) for name, projection in standing.projections.items() if name in views]
+        held = {name: lamp.projection(name, standing.view) for name in lacking}
+        for name in views.keys() & held.keys():
+            found = sum((agreement(laid(name, held[name]), view, _REACH) for view in known), Agreement())
+            if name not in standing.planes:
+                refused = found.refutes
+            else:
+                flat = np.column_stack([standing.planes[name], np.zeros(3)])
+                by_plane = sum((agreement(laid(name, flat), view, _REACH) for view in known), Agreement())
+                refused = found.over_chance < by_plane.over_chance
+            if refused:
+                del held[name]
+        return held
+
+    def _completed(self, standing: StandingPose, held: Mapping[str, Array]) -> StandingPose:
+        """The pose with cameras that its relief lacks."""
+        relief = _document(standing.gamma, standing.confidence, {**standing.projections, **held})
+        pose = attrs.evolve(standing.pose, pose=attrs.evolve(standing.pose.pose, relief=relief))
+        return _standing(self._by_surface(pose, held, _field_points(standing), held), standing.view)
+
+    def _by_surface(
+        self, pose: SolvedPose, projections: Mapping[str, Array], points: Array, cameras: Iterable[str]
+    ) -> SolvedPose:
+        """The pose with cameras laid by the planes that serve the surface's points best."""
+        planes = {n: _homography(project(projections[n], points), points[:, :2]) for n in cameras}
+        back = inverse(np.array(pose.pose.anchor))
+        homographies = {**pose.aligned.homographies, **{name: back @ plane for name, plane in planes.items()}}
+        homographies[self.reference] = np.eye(3)
+        aligned = attrs.evolve(pose.aligned, homographies=homographies)
+        off = {n: transform_points(h, project(projections[n], points)) - points[:, :2] for n, h in planes.items()}
+        rms = {n: round(float(np.sqrt((o**2).sum(axis=1).mean())), 3) for n, o in off.items() if n != self.reference}
+        made = attrs.evolve(
+            pose.pose,
+            homographies={name: to_edl_matrix(h) for name, h in homographies.items()},
+            colour=colours_of(aligned, [self.samples[i].pictures for i in pose.samples]),
+            residual_px={**pose.pose.residual_px, **rms},
+            support={**pose.pose.support, **dict.fromkeys(rms, len(points))},
+            weak=tuple(weak for weak in pose.pose.weak if weak.camera not in homographies),
+        )
+        return attrs.evolve(pose, pose=made, aligned=aligned)
+
+
+def _drawn_anew(now: SolvedPose, before: SolvedPose) -> SolvedPose:
+    """The pose with fields drawn by hand where they were drawn in the programme."""
+    if not now.drawn or now.pose.anchor == before.pose.anchor:
+        return now
+    size = now.aligned.size
+    reduced = scaling(now.aligned.camera_sizes[now.aligned.reference], size)
+    warp = reduced @ inverse(np.array(now.pose.anchor)) @ np.array(before.pose.anchor) @ inverse(reduced)
+    return attrs.evolve(now, drawn=tuple((piece, warp_mask(mask, warp, size)) for piece, mask in now.drawn))
+
+
+def _standing(pose: SolvedPose, view: LampView) -> StandingPose:
+    """Of a pose that has a relief that says enough."""
+    standing = StandingPose.of(pose)
+    assert standing is not None
+    return attrs.evolve(standing, view=view)
+
+
+def _ways(poses: Sequence[int], known: Mapping[int, StandingPose]) -> Iterator[tuple[int, int]]:
+    """(pose that is not known, the one beside it that may be by then), forwards in time and then back."""
+    for to, by in (*zip(poses[1:], poses, strict=False), *zip(poses[-2::-1], poses[::-1], strict=False)):
+        if to not in known and by in known:
+            yield to, by
+
+
+def _base_on_first(poses: list[SolvedPose], known: Mapping[int, StandingPose], here: Sequence[int]) -> None:
+    """Lays a perspective's programme over what the reference camera shows in its first pose, changing ``poses``.
+
+    The programme's pixels were a later pose's, by an anchor that the first one's bad views made.
+    """
+    first = known[here[0]]
+    reference = first.pose.aligned.reference
+    to_new = np.vstack([first.projections[reference], [0, 0, 0, 1]])
+    points = _field_points(first)
+    between = _homography(points[:, :2], project(to_new[:3], points))
+    for i in here:
+        pose = poses[i].pose
+        anchor = between @ np.array(pose.anchor)
+        if i in known:
+            anchor, pose = _over(known[i], to_new)
+        poses[i] = attrs.evolve(poses[i], pose=attrs.evolve(pose, anchor=to_edl_matrix(anchor)))
+
+
+def _over(standing: StandingPose, to_new: Array) -> tuple[Homography, Pose]:
+    """The anchor, and the pose, over other pixels: (4, 4) ``to_new`` leads there from programme pixels and gamma."""
+    reference = standing.pose.aligned.reference
+    size = standing.pose.aligned.camera_sizes[reference]
+    scene, confidence = _showing(standing, to_new, size)
+    shape = standing.gamma.shape
+    gamma = scene[:, 2] / depths(to_new[:3], scene)
+    projections = {name: p @ inverse(to_new) for name, p in standing.projections.items()}
+    relief = _document(gamma.reshape(shape), confidence.reshape(shape), projections)
+    points = _field_points(standing)
+    seen = project(standing.projections[reference], points)
+    anchor = _homography(seen, project(to_new[:3], points))
+    return anchor, attrs.evolve(standing.pose.pose, relief=relief)
+
+
+def _showing(standing: StandingPose, to_new: Array, size: tuple[int, int]) -> tuple[Array, Array]:
+    """(N, 3) and (N,): the scene points, and how sure they are, that nodes over the new pixels show."""
+    nodes = at = node_pixels(standing.gamma.shape, size)
+    both = np.stack([standing.gamma, standing.confidence], axis=-1)
+    for _ in range(_STEPS):
+        off = nodes - project(to_new[:3], np.column_stack([at, between_nodes(both, size, at)[:, 0]]))
+        at = at + off
+        if np.abs(off).max() < _EXACT:
+            break
+    gamma, confidence = between_nodes(both, size, at).T
+    return np.column_stack([at, gamma]), confidence
+
+
+def _field_points(standing: StandingPose) -> Array:
+    """(N, 3): scene points of the surface all over a pose's field."""
+    aligned = standing.pose.aligned
+    reference, size = aligned.reference, aligned.camera_sizes[aligned.reference]
+    warp = scaling(size, aligned.size) @ np.array(standing.pose.pose.anchor) @ scaling(aligned.size, size)
+    field = warp_mask(aligned.field, warp, aligned.size)
+    names = [reference, *(name for name in standing.projections if name != reference)]
+    ordered = {name: standing.projections[name] for name in names}
+    height = height_of_gamma(ordered, aligned.camera_sizes, np.array(size) / 2)
+    return field_points(sure_nodes(standing.gamma, standing.confidence, size), field, size, height)
+
+
+def _document(gamma: Array, confidence: Array, projections: Mapping[str, Array]) -> Relief:
+    return Relief(
+        {name: to_edl_projection(p / p[2, 2]) for name, p in projections.items()},
+        tuple(tuple(round(float(v), 3) for v in row) for row in gamma),
+        tuple(tuple(round(100 * float(v)) for v in row) for row in confidence),
+    )
+
+
+def _homography(a: Array, b: Array) -> Homography:
+    return np.asarray(cv2.findHomography(a, b, 0)[0], np.float64)
