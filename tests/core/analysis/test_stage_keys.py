@@ -168,7 +168,7 @@ def test_a_plugin_is_asked_by_all_of_its_source_and_what_it_takes_from_mcsl(
     (tmp_path / "halves/beside.py").write_text("X = 2\n")
     after = keys(**ask)
     assert changed(before, after) == from_stage("scores")
-    for file in ("hooks/__init__.py", "hooks/guards.py", "hooks/registry.py", "selection/selectors.py"):
+    for file in ("hooks/__init__.py", "hooks/stage_guards.py", "hooks/registry.py", "selection/selectors.py"):
         path = tree / file
         path.write_text(path.read_text() + "\nADDED = 1\n")
     assert keys(**ask) == after, "the names that it imports come from elsewhere"
