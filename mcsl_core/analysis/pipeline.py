@@ -113,7 +113,7 @@ def _analysed(
         movements = detection.movements
         solved = cache.remember(POSES, keys.poses, solve_poses, solver, samples, movements, frames, progress, drawn)
         if settings.movement_view == "follow":
-            follow = partial(follow_movements, reference=reference.name)
+            follow = partial(follow_movements, reference=reference.name, tracker=by["tracker"])
             movements = cache.remember(FOLLOWED, keys.followed, follow, samples, solved, movements, footage, progress)
         colours = cache.remember(COLOURS, keys.colours, follow_drift, samples, solved, footage, movements, progress)
         segments = Deferred(scoring_segments, samples, solved, movements, by["occlusion"])
@@ -196,6 +196,8 @@ def _chosen(settings: AnalysisSettings, plugins: Plugins) -> dict[str, Offer]:
     if unknown:
         raise UsageError(f"there is no stage {unknown.pop()!r}", remedy=f"Stages are {', '.join(STAGES)}")
     chosen = {stage: plugins.choose(stage, settings.stages.get(stage)) for stage in STAGES}
+    if settings.movement_view == "hold":  # nobody follows: nothing is prepared for it, and the EDL names nobody
+        del chosen["tracker"]
     for offer in chosen.values():
         offer.prepare()
     return chosen

@@ -70,7 +70,7 @@ def stage_keys(
     )
     if drawn:
         poses = key_of(poses, [(each.range.start, each.range.stop, each.polygons) for each in drawn])
-    followed = key_of(code_of(follow_movements), poses)
+    followed = key_of(code_of(follow_movements), poses, by.get("tracker"))
     seen = followed if settings.movement_view == "follow" else poses
     colours = key_of(code_of(follow_drift), poses)
     merits = key_of(code_of(pose_merits), poses)

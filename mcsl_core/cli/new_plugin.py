@@ -35,6 +35,7 @@ EXAMPLES: Mapping[str, _Example] = {
     "matcher": _Example("ORB's points, matched where each is the other's best", _WITH_CV2),
     "aligner": _Example("each camera tied to the reference camera by itself", _WITH_CV2),
     "relief": _Example("what the matches say of the relief, spread smoothly between them"),
+    "tracker": _Example("the background followed from frame to frame, the lamp fitted to all cameras", _WITH_CV2),
     "occlusion": _Example("what does not look as it usually does is in the way"),
     "selector": _Example("whoever sees most over the next seconds is shown for as long"),
     "centerer": _Example("the field in the middle while the lamp stands still", ()),

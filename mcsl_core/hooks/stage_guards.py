@@ -15,6 +15,8 @@ from mcsl_core.alignment.aligned_views import AlignedPose, AlignedView
 from mcsl_core.alignment.correspondences import Correspondences
 from mcsl_core.alignment.protocol import Alignment, Features
 from mcsl_core.alignment.relief.protocol import ReliefScene, ReliefSurface
+from mcsl_core.alignment.tracking.following import End, Instant
+from mcsl_core.alignment.tracking.lamp import Lamp, LampView
 from mcsl_core.centering.protocol import FieldPosition
 from mcsl_core.edl import CenteringKey, Movement, Shot, Weak
 from mcsl_core.filling.protocol import FillContext
@@ -125,6 +127,29 @@ class ReliefGuard(Guard):
         unknown = ", ".join(sorted(set(found.cameras) - set(scene.cameras)))
         self.need(not unknown, f"estimate gave {unknown}, which no camera is named")
         return ReliefSurface(gamma, confidence, frozenset(found.cameras))
+
+
+class TrackerGuard(Guard):
+    """Of a `Tracker`: for every instant where the lamp stands, in finite numbers, or nothing."""
+
+    def follow(self, lamp: Lamp, before: End, after: End, instants: Sequence[Instant]) -> list[LampView | None]:
+        found = self.call("follow", *read_only((lamp, before, after, tuple(instants))))
+        self.need_kind("follow", found, Sequence)
+        self.need(len(found) == len(instants), f"follow gave {len(found)} views of {len(instants)} instants")
+        return [self._view(view, instant.frame) for view, instant in zip(found, instants, strict=True)]
+
+    def _view(self, view: LampView | None, frame: int) -> LampView | None:
+        if view is None:
+            return None
+        self.need_kind("follow", view, LampView)
+        for what, vector in (("turn", view.turn), ("shift", view.shift)):
+            good = isinstance(vector, np.ndarray) and vector.shape == (3,) and vector.dtype.kind in "fiu"
+            told = f"follow gave {described(vector)} as {what} at frame {frame}, expected 3 finite numbers"
+            self.need(good and bool(np.isfinite(vector).all()), told)
+        self.need(
+            is_number(view.zoom), f"follow gave {described(view.zoom)} as zoom at frame {frame}, expected a number"
+        )
+        return LampView.of(view.numbers)
 
 
 @frozen(eq=False)
@@ -269,6 +294,7 @@ GUARDS: Mapping[str, type[Guard]] = {
     "matcher": MatcherGuard,
     "aligner": AlignerGuard,
     "relief": ReliefGuard,
+    "tracker": TrackerGuard,
     "occlusion": OcclusionGuard,
     "selector": SelectorGuard,
     "centerer": CentererGuard,

@@ -75,43 +75,33 @@ class End:
     bends: Mapping[str, Homography]
 
 
-def follow(lamp: Lamp, before: End, after: End, instants: Sequence[Instant]) -> list[LampView | None]:
-    """Where the lamp stands at the instants of a movement.
+@frozen
+class BackgroundTracker:
+    """Holds every picture against the background of the poses at the movement's ends, from one end and the other.
 
-    Parameters
-    ----------
-    lamp : Lamp
-        Its rig.
-    before, after : End
-        The poses at its ends.
-    instants : sequence of Instant
-        In order, the first and last about at rest.
-
-    Returns
-    -------
-    list of LampView or None
-        None where it is lost.
-
-    Notes
-    -----
-    From the one end over into the other: each weighs by the places that agree, and by how near it is.
+    From the one over into the other: each weighs by the places that agree, and by how near it is.
     """
-    there = _Follower(lamp, before).run(instants)
-    back = _Follower(lamp, after).run(instants[::-1])[::-1]
-    first, last = instants[0].frame, instants[-1].frame
-    found: list[LampView | None] = []
-    for instant, a, b in zip(instants, there, back, strict=True):
-        way = (instant.frame - first) / max(last - first, 1)
-        parts = [(fit, near) for fit, near in ((a, 1 - way), (b, way)) if fit is not None and near > 0]
-        if len(parts) == 2 and not _agree(lamp, parts[0][0], parts[1][0]):
-            parts = [max(parts, key=lambda part: part[0].inliers)]
-        if not parts:
-            found.append(None)
-            continue
-        weights = np.array([fit.inliers * near**2 for fit, near in parts])
-        numbers = np.stack([fit.view.numbers for fit, _ in parts])
-        found.append(LampView.of(weights @ numbers / weights.sum()))
-    return found
+
+    name = "background"
+
+    def follow(self, lamp: Lamp, before: End, after: End, instants: Sequence[Instant]) -> list[LampView | None]:
+        """Where the lamp stands at the instants of a movement, None where it is lost; see `Tracker`."""
+        there = _Follower(lamp, before).run(instants)
+        back = _Follower(lamp, after).run(instants[::-1])[::-1]
+        first, last = instants[0].frame, instants[-1].frame
+        found: list[LampView | None] = []
+        for instant, a, b in zip(instants, there, back, strict=True):
+            way = (instant.frame - first) / max(last - first, 1)
+            parts = [(fit, near) for fit, near in ((a, 1 - way), (b, way)) if fit is not None and near > 0]
+            if len(parts) == 2 and not _agree(lamp, parts[0][0], parts[1][0]):
+                parts = [max(parts, key=lambda part: part[0].inliers)]
+            if not parts:
+                found.append(None)
+                continue
+            weights = np.array([fit.inliers * near**2 for fit, near in parts])
+            numbers = np.stack([fit.view.numbers for fit, _ in parts])
+            found.append(LampView.of(weights @ numbers / weights.sum()))
+        return found
 
 
 def _agree(lamp: Lamp, a: Fit, b: Fit) -> bool:

@@ -29,8 +29,9 @@ from mcsl_core.recording.sample_store import SampleStore
 
 from ..observations import SolvedPose
 from ..steady import steady_view
-from .following import End, Instant, follow
+from .following import End, Instant
 from .lamp import Lamp, LampView, calibrate
+from .protocol import Tracker
 from .templates import WIDTH, Grey, Ground, templates
 
 _RATE = 12.0  # instants a second: the lamp's speed changes by 500 px/s^2 of 960 at most, a third of a pixel between two
@@ -67,6 +68,7 @@ def follow_movements(
     progress: Progress,
     *,
     reference: str,
+    tracker: Tracker,
 ) -> tuple[Movement, ...]:
     """The movements, with how the cameras lie in them where the poses beside share a perspective with a relief.
 
@@ -84,6 +86,8 @@ def follow_movements(
         Told of every movement, and of those in which the lamp is lost.
     reference : str
         The reference camera.
+    tracker : Tracker
+        Who follows the lamp through each of them.
     """
     progress.stage("Following the lamp", len(movements), "movements")
     made: list[Movement] = []
@@ -99,7 +103,7 @@ def follow_movements(
             known = rigs[perspective]
             if known is not None and at - 1 in known[1] and at in known[1]:
                 beside = known[1][at - 1], known[1][at]
-                views = _views(known[0], beside, movement, samples, movements, footage)
+                views = _views(known[0], beside, movement, samples, movements, footage, tracker)
                 made[-1] = attrs.evolve(movement, views=views)
         if not made[-1].views:
             progress.note(f"frames {movement.range}: the lamp cannot be followed; the programme holds its camera")
@@ -185,11 +189,12 @@ def _views(
     samples: SampleStore,
     movements: Sequence[Movement],
     footage: Footage,
+    tracker: Tracker,
 ) -> tuple[MovementView, ...]:
     """Empty where the lamp is lost."""
     ends = [_end(lamp, pose, samples, movements, movement) for pose in beside]
     instants = _instants(footage, movement)
-    found = follow(lamp, ends[0], ends[1], instants)
+    found = tracker.follow(lamp, ends[0], ends[1], instants)
     frames = [instant.frame for instant in instants]
     known = [i for i, view in enumerate(found) if view is not None]
     gaps = np.diff([frames[0], *(frames[i] for i in known), frames[-1]])

@@ -6,6 +6,7 @@ A copy of the package is edited, and asked about in place of the one that runs.
 from __future__ import annotations
 
 import shutil
+import types
 from fractions import Fraction
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from mcsl_core.analysis.settings import AnalysisSettings
 from mcsl_core.analysis.stage_keys import identity, stage_keys
 from mcsl_core.edl import Camera, Media, Shot
 from mcsl_core.hooks.registry import Plugins, discover
+from mcsl_core.hooks.specs import hookimpl
 from mcsl_core.hooks.stages import STAGES
 from mcsl_core.timing import FrameRange
 
@@ -142,6 +144,30 @@ def test_words_and_layout_are_no_code(tree: Path) -> None:
 )
 def test_a_changed_choice_changes_the_stages_it_is_for(change: dict, first: str | None) -> None:
     assert changed(keys(), keys(**change)) == (set() if first is None else from_stage(first))
+
+
+class Blind:
+    """A lamp tracker that sees nothing."""
+
+    name = "blind"
+
+    def follow(self, lamp, before, after, instants):
+        return [None] * len(instants)
+
+
+def test_the_tracker_and_its_version_change_what_is_followed_and_what_is_made_from_it() -> None:
+    def theirs(version: str) -> Plugins:
+        module = types.ModuleType("theirs")
+        vars(module)["register_trackers"] = hookimpl(specname="register_trackers")(lambda: [Blind()])
+        return discover([(module, "their-package", version)], entry_points=False)
+
+    built_in, ask = keys(plugins=theirs("1")), {"stages": {"tracker": "blind"}}
+    assert built_in == keys(), "what is not chosen counts for nothing"
+    own = keys(plugins=theirs("1"), **ask)
+    assert changed(built_in, own) == from_stage("followed")
+    assert changed(own, keys(plugins=theirs("2"), **ask)) == from_stage("followed")
+    held = {**ask, "movement_view": "hold"}
+    assert changed(keys(movement_view="hold"), keys(plugins=theirs("1"), **held)) == {"followed"}, "which nothing asks"
 
 
 PLUGIN = """
