@@ -28,7 +28,7 @@ class _Example:
     needs: tuple[str, ...] = ("numpy",)
 
 
-_NAMES_IN_TEMPLATES = ("Array", "Sequence", "Mapping", "Scorer", "NDArray")
+_NAMES_IN_TEMPLATES = ("Array", "Sequence", "Mapping", "Callable", "Scorer", "NDArray")
 _WITH_CV2 = ("numpy", "opencv-python-headless")
 EXAMPLES: Mapping[str, _Example] = {
     "movement": _Example("the lamp moves when most of the picture changes at once", _WITH_CV2),

@@ -61,7 +61,8 @@ class LampView:
     def motion(self) -> Array:
         """(4, 4): of the scene, before the reference camera."""
         found = np.eye(4)
-        found[:3, :3] = Rotation.from_rotvec(self.turn).as_matrix()
+        turn = np.array(self.turn)  # a copy: scipy takes none that is read-only
+        found[:3, :3] = Rotation.from_rotvec(turn).as_matrix()
         found[:3, 3] = self.shift
         return found
 

@@ -9,6 +9,7 @@ from lamp_scene import MOVED, NAMES, SIZE, scene, seen, true_lamp, turned
 from mcsl_core.alignment.tracking.fitting import Sighting, fit_view
 from mcsl_core.alignment.tracking.following import BackgroundTracker
 from mcsl_core.alignment.tracking.lamp import AT_REST, LampView, calibrate
+from mcsl_core.hooks.guards import read_only
 from mcsl_core.imaging.geometry import project
 
 
@@ -40,6 +41,15 @@ def test_a_rig_is_calibrated_from_its_projections() -> None:
             assert np.median(off) < 0.5
     assert views[1].turn == pytest.approx(MOVED.turn, abs=0.02)
     assert views[1].zoom == pytest.approx(MOVED.zoom, abs=0.02)
+
+
+def test_a_lamp_that_cannot_be_written_to_tells_the_same() -> None:
+    """As plugins are handed it."""
+    lamp, view = true_lamp(), MOVED
+    locked, locked_view = read_only(lamp), read_only(view)
+    for name in NAMES:
+        assert (locked.projection(name, locked_view) == lamp.projection(name, view)).all()
+    assert (locked.motion(locked_view, locked_view) == lamp.motion(view, view)).all()
 
 
 def test_views_may_count_from_a_later_pose() -> None:
