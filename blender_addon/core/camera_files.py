@@ -16,6 +16,7 @@ STAGES = {
     "matcher": "Matching",
     "aligner": "Alignment",
     "relief": "Relief",
+    "tracker": "Tracking",
     "occlusion": "Occlusion",
     "selector": "Selection",
     "centerer": "Centering",

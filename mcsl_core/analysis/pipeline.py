@@ -13,6 +13,7 @@ import attrs
 from threadpoolctl import threadpool_limits
 
 from mcsl_core import __version__, edl
+from mcsl_core.alignment.observations import SolvedPose
 from mcsl_core.alignment.pose_colours import follow_drift
 from mcsl_core.alignment.pose_solver import PoseSolver
 from mcsl_core.alignment.poses import solve_poses
@@ -20,7 +21,7 @@ from mcsl_core.alignment.tracking.followed_poses import PosePlacer
 from mcsl_core.alignment.tracking.movement_views import follow_movements
 from mcsl_core.centering.gaze_files import GazeFile, Shown, read_gaze
 from mcsl_core.centering.positions import field_positions, gaze_positions, looks_unplaced
-from mcsl_core.centering.protocol import FieldPosition
+from mcsl_core.centering.protocol import Centerer, FieldPosition
 from mcsl_core.edl import edits
 from mcsl_core.errors import UsageError
 from mcsl_core.hooks.registry import Offer, Plugins
@@ -120,7 +121,7 @@ def _analysed(
         if settings.movement_view == "follow":
             placer = Deferred(PosePlacer, samples, footage, movements, reference.name)
             solved = cache.remember(PLACED, keys.placed, PosePlacer.place, placer, solved, progress)
-            follow = partial(follow_movements, reference=reference.name)
+            follow = partial(follow_movements, reference=reference.name, tracker=by["tracker"])
             movements = cache.remember(FOLLOWED, keys.followed, follow, samples, solved, movements, footage, progress)
         colours = cache.remember(COLOURS, keys.colours, follow_drift, samples, solved, footage, movements, progress)
         segments = Deferred(scoring_segments, samples, solved, movements, by["occlusion"])
@@ -146,11 +147,24 @@ def _analysed(
         scores=place.scores.name,
         made_by=_made_by(settings, chosen, gaze),
     )
+    return _saved(made, place, Measurements(table, detection.curve), solved, gaze, by["centerer"], progress)
+
+
+def _saved(
+    made: edl.Edl,
+    place: EdlPlace,
+    measured: Measurements,
+    solved: Sequence[SolvedPose],
+    gaze: Sequence[GazeFile],
+    centerer: Centerer,
+    progress: Progress,
+) -> edl.Edl:
+    """The EDL, centered and with what was decided in the one that lies there, as it lies there now."""
     with place.changing() as there:
         made = made if there is None else edits.carry_over(there, made)
         positions = _gazed_at(gaze, made, progress) if gaze else field_positions(solved, made.size)
-        made = attrs.evolve(made, centering=by["centerer"].centre(positions, size=made.size, rate=float(rate)))
-        Measurements(table, detection.curve).save(place.scores)
+        made = attrs.evolve(made, centering=centerer.centre(positions, size=made.size, rate=float(made.rate)))
+        measured.save(place.scores)
         edl.save(made, place.path)
     return made
 
@@ -203,6 +217,8 @@ def _chosen(settings: AnalysisSettings, plugins: Plugins) -> dict[str, Offer]:
     if unknown:
         raise UsageError(f"there is no stage {unknown.pop()!r}", remedy=f"Stages are {', '.join(STAGES)}")
     chosen = {stage: plugins.choose(stage, settings.stages.get(stage)) for stage in STAGES}
+    if settings.movement_view == "hold":  # nobody follows: nothing is prepared for it, and the EDL names nobody
+        del chosen["tracker"]
     for offer in chosen.values():
         offer.prepare()
     return chosen

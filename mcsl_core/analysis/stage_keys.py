@@ -73,7 +73,7 @@ def stage_keys(
     if drawn:
         poses = key_of(poses, [(each.range.start, each.range.stop, each.polygons) for each in drawn])
     placed = key_of(code_of(PosePlacer), poses)
-    followed = key_of(code_of(follow_movements), placed)
+    followed = key_of(code_of(follow_movements), placed, by.get("tracker"))
     own, seen = (placed, followed) if settings.movement_view == "follow" else (poses, poses)
     colours = key_of(code_of(follow_drift), own)
     merits = key_of(code_of(pose_merits), own)

@@ -28,13 +28,14 @@ class _Example:
     needs: tuple[str, ...] = ("numpy",)
 
 
-_NAMES_IN_TEMPLATES = ("Array", "Sequence", "Mapping", "Scorer", "NDArray")
+_NAMES_IN_TEMPLATES = ("Array", "Sequence", "Mapping", "Callable", "Scorer", "NDArray")
 _WITH_CV2 = ("numpy", "opencv-python-headless")
 EXAMPLES: Mapping[str, _Example] = {
     "movement": _Example("the lamp moves when most of the picture changes at once", _WITH_CV2),
     "matcher": _Example("ORB's points, matched where each is the other's best", _WITH_CV2),
     "aligner": _Example("each camera tied to the reference camera by itself", _WITH_CV2),
     "relief": _Example("what the matches say of the relief, spread smoothly between them"),
+    "tracker": _Example("the background followed from frame to frame, the lamp fitted to all cameras", _WITH_CV2),
     "occlusion": _Example("what does not look as it usually does is in the way"),
     "selector": _Example("whoever sees most over the next seconds is shown for as long"),
     "centerer": _Example("the field in the middle while the lamp stands still", ()),

@@ -19,6 +19,10 @@ if TYPE_CHECKING:
         ReliefSurface,
         ReliefView,
     )
+    from mcsl_core.alignment.tracking.fitting import Sighting, fit_view
+    from mcsl_core.alignment.tracking.lamp import Lamp, LampView
+    from mcsl_core.alignment.tracking.protocol import End, Instant, Tracker
+    from mcsl_core.alignment.tracking.templates import Ground, Template
     from mcsl_core.arrays import read_arrays
     from mcsl_core.centering.protocol import Centerer, FieldPosition
     from mcsl_core.documents import make_converter, read_toml, structure_document, write_atomic
@@ -27,7 +31,7 @@ if TYPE_CHECKING:
     from mcsl_core.filling.protocol import FillContext, Filler
     from mcsl_core.hooks.registry import discover
     from mcsl_core.hooks.specs import hookimpl
-    from mcsl_core.imaging.geometry import size_at_columns, transform_points
+    from mcsl_core.imaging.geometry import project, scaling, size_at_columns, transform_points
     from mcsl_core.imaging.masks import Mask, main_region
     from mcsl_core.imaging.planes import U8, Planes
     from mcsl_core.imaging.rect import Rect
@@ -59,6 +63,7 @@ __all__ = [
     "Cut",
     "Detection",
     "DocumentError",
+    "End",
     "Fault",
     "Features",
     "FieldPosition",
@@ -66,7 +71,11 @@ __all__ = [
     "Filler",
     "Footage",
     "FrameRange",
+    "Ground",
     "InputError",
+    "Instant",
+    "Lamp",
+    "LampView",
     "Manifest",
     "Mask",
     "Matcher",
@@ -89,18 +98,24 @@ __all__ = [
     "ScoreTable",
     "Selector",
     "Shot",
+    "Sighting",
     "Silent",
+    "Template",
+    "Tracker",
     "UsageError",
     "Weak",
     "claim",
     "claim_folder",
     "discover",
+    "fit_view",
     "hookimpl",
     "main_region",
     "make_converter",
+    "project",
     "read_arrays",
     "read_toml",
     "sample_borders",
+    "scaling",
     "shots_from",
     "size_at_columns",
     "structure_document",
@@ -122,6 +137,11 @@ __getattr__, __dir__ = lazy_names(
             "ReliefSurface",
             "ReliefView",
         ),
+        "mcsl_core.alignment.tracking.fitting": ("Sighting", "fit_view"),
+        "mcsl_core.alignment.tracking.following": ("End", "Instant"),
+        "mcsl_core.alignment.tracking.lamp": ("Lamp", "LampView"),
+        "mcsl_core.alignment.tracking.protocol": ("Tracker",),
+        "mcsl_core.alignment.tracking.templates": ("Ground", "Template"),
         "mcsl_core.arrays": ("read_arrays",),
         "mcsl_core.centering.protocol": ("Centerer", "FieldPosition"),
         "mcsl_core.documents": ("make_converter", "read_toml", "structure_document", "write_atomic"),
@@ -138,7 +158,7 @@ __getattr__, __dir__ = lazy_names(
         "mcsl_core.filling.protocol": ("FillContext", "Filler"),
         "mcsl_core.hooks.registry": ("discover",),
         "mcsl_core.hooks.specs": ("hookimpl",),
-        "mcsl_core.imaging.geometry": ("size_at_columns", "transform_points"),
+        "mcsl_core.imaging.geometry": ("project", "scaling", "size_at_columns", "transform_points"),
         "mcsl_core.imaging.masks": ("Mask", "main_region"),
         "mcsl_core.imaging.planes": ("U8", "Planes"),
         "mcsl_core.imaging.rect": ("Rect",),

@@ -6,6 +6,7 @@ from mcsl_core.alignment.features import RootSift
 from mcsl_core.alignment.joint import JointPlane
 from mcsl_core.alignment.relief.protocol import PlaneRelief
 from mcsl_core.alignment.relief.sweep import PlaneSweep
+from mcsl_core.alignment.tracking.following import BackgroundTracker
 from mcsl_core.centering.field import FieldCenterer
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.paper import PaperFiller
@@ -36,6 +37,11 @@ def register_aligners():
 @hookimpl
 def register_reliefs():
     return [PlaneSweep(), PlaneRelief()]
+
+
+@hookimpl
+def register_trackers():
+    return [BackgroundTracker()]
 
 
 @hookimpl

@@ -20,8 +20,8 @@ from mcsl_core.filling.protocol import Filler
 from mcsl_core.progress import Progress
 
 from . import builtin
-from .guards import GUARDS
 from .specs import PROJECT, Hooks
+from .stage_guards import GUARDS
 from .stages import STAGES, Stage
 from .watch import Watch
 
@@ -56,7 +56,7 @@ class Offer:
 
     @cached_property
     def checked(self) -> Any:
-        """The object as the pipeline calls it, behind its stage's checks; see `guards`."""
+        """The object as the pipeline calls it, behind its stage's checks; see `stage_guards`."""
         return GUARDS[self.stage](self.implementation, self.stage, str(self), self.package, self.watch)
 
     def prepare(self) -> None:

@@ -8,6 +8,7 @@ import pluggy
 
 from mcsl_core.alignment.protocol import Aligner, Matcher
 from mcsl_core.alignment.relief.protocol import ReliefEstimator
+from mcsl_core.alignment.tracking.protocol import Tracker
 from mcsl_core.centering.protocol import Centerer
 from mcsl_core.filling.protocol import Filler
 from mcsl_core.movement.protocol import MovementDetector
@@ -37,6 +38,10 @@ class Hooks:
     @hookspec
     def register_reliefs(self) -> Sequence[ReliefEstimator]:  # pyright: ignore[reportReturnType]
         """Relief estimators, chosen by ``--relief NAME``."""
+
+    @hookspec
+    def register_trackers(self) -> Sequence[Tracker]:  # pyright: ignore[reportReturnType]
+        """Lamp trackers, chosen by ``--tracker NAME``."""
 
     @hookspec
     def register_occlusion_detectors(self) -> Sequence[OcclusionDetector]:  # pyright: ignore[reportReturnType]

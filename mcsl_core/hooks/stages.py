@@ -33,6 +33,7 @@ STAGES: Mapping[str, Stage] = {
     "relief": Stage(
         "register_reliefs", ("estimate",), "plane-sweep", "finds the relief that the views share", "relief estimator"
     ),
+    "tracker": Stage("register_trackers", ("follow",), "background", "follows the lamp while it moves", "lamp tracker"),
     "occlusion": Stage(
         "register_occlusion_detectors",
         ("scorer",),

@@ -175,7 +175,7 @@ def test_a_folder_that_is_there_is_left_alone(tmp_path: Path) -> None:
 
 def test_a_stage_that_there_is_not_lists_those_that_there_are(capsys) -> None:
     assert main(["plugin", "new", "mine", "--stage", "magic"]) == 2
-    assert "'movement', 'matcher', 'aligner', 'relief', 'occlusion'" in capsys.readouterr().err
+    assert "'movement', 'matcher', 'aligner', 'relief', 'tracker', 'occlusion'" in capsys.readouterr().err
 
 
 BROKEN = {

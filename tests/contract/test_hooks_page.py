@@ -136,7 +136,7 @@ def test_a_filler_that_is_not_here_is_asked_for_by_package_and_version(desk: Des
     desk.shots()
     made = json.loads(desk.edl.read_text("utf-8"))
     assert set(made["made_by"]["plugins"]) == {
-        *("movement", "matcher", "aligner", "relief", "occlusion", "selector", "centerer", "filler")
+        *("movement", "matcher", "aligner", "relief", "tracker", "occlusion", "selector", "centerer", "filler")
     }
     made["made_by"]["plugins"]["filler"] = "watercolour (hospital-fillers 2.3)"
     other = desk.edl.with_name("other.json")

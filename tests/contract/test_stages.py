@@ -15,6 +15,7 @@ import attrs
 import cv2
 import numpy as np
 import pytest
+from lamp_scene import turned
 from lamp_video import write_lamp
 from stage_offers import offers
 from swept_scene import SIZE, Relief, at_pixels, hill
@@ -332,6 +333,29 @@ def test_reliefs_of_what_shows_nothing_are_planes(offer: Offer) -> None:
     if found is not None:
         assert found.confidence.max() < 0.2
         assert np.abs(found.gamma * found.confidence).max() < 1
+
+
+@offers("tracker")
+def test_trackers_find_the_lamp_or_say_that_it_is_lost(offer: Offer) -> None:
+    """Five cameras, one of them late, over a plane that nobody hides."""
+    way = turned(10)
+    found = offer.checked.follow(way.lamp, way.before, way.after, way.instants)
+    assert len(found) == len(way.instants)
+    known = {index: view for index, view in enumerate(found) if view is not None}
+    assert len(known) > 0.5 * len(found)
+    assert max(way.off(index, view) for index, view in known.items()) < 3
+    again = offer.checked.follow(way.lamp, way.before, way.after, way.instants)
+    for one, other in zip(found, again, strict=True):
+        assert (one is None) == (other is None)
+        assert one is None or (one.numbers == other.numbers).all()
+
+
+@offers("tracker")
+def test_trackers_take_instants_that_show_nothing(offer: Offer) -> None:
+    way = turned(1, dark=True)
+    unseen = [attrs.evolve(instant, pictures={}) for instant in way.instants]
+    for instants in (way.instants, unseen, way.instants[:1]):
+        assert len(offer.checked.follow(way.lamp, way.before, way.after, instants)) == len(instants)
 
 
 def test_every_stage_has_its_default() -> None:

@@ -14,6 +14,7 @@ JAPANESE: dict[str, str] = {
     "Matching": "特徴点の対応",
     "Alignment": "位置合わせ",
     "Relief": "起伏",
+    "Tracking": "追跡",
     "Occlusion": "遮蔽の判定",
     "Selection": "カメラの選択",
     "Centering": "センタリング",

@@ -37,8 +37,9 @@ from ..photo_consistency import Agreement, LaidView, agreement
 from ..relief.field_surface import height_of_gamma
 from ..relief.surface_planes import field_points, sure_nodes
 from ..steady import steady_view
-from .following import End, follow_from
+from .following import follow_from
 from .lamp import Lamp, LampView
+from .protocol import End
 from .standing_poses import StandingPose, calibrated, instants_between
 from .templates import Ground
 
@@ -83,7 +84,7 @@ class PosePlacer:
         placed = list(solved)
         for perspective in sorted({pose.pose.perspective for pose in solved}):
             here = [i for i, pose in enumerate(solved) if pose.pose.perspective == perspective]
-            rig = calibrated(placed, perspective, self.reference, self.footage)
+            rig = calibrated(placed, perspective, self.reference, self.footage) if len(here) > 1 else None
             if rig is None:
                 continue
             lamp, known = rig

@@ -12,18 +12,19 @@ J.-Y. Bouguet: Pyramidal implementation of the Lucas Kanade feature tracker. Int
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import cv2
 import numpy as np
 from attrs import frozen
 
-from mcsl_core.imaging.geometry import Array, Homography, project
+from mcsl_core.imaging.geometry import Array, project
 
 from .fitting import Fit, Sighting, fit_view
 from .lamp import Lamp, LampView
-from .templates import Grey, Ground, Template, level
+from .protocol import End, Instant
+from .templates import Grey, level
 
 _WINDOW, _LEVELS = (21, 21), 3
 _BACK = 0.7  # pixels by which the flow back may miss
@@ -31,90 +32,37 @@ _REACH = 48.0  # pixels: what is found farther off is something else
 _ROUNDS = 2  # a frame is laid anew by what the first told
 _LEAST, _SHARE = 40, 0.12  # places that agree, and their share: with fewer the lamp is lost at a frame
 _AGREE = 8.0 / 960  # of the width: from both ends the lamp is found there
-_TRUST = (
-    0.5  # in a new speed: turns and shifts that show the same alternated, more and more, where it was trusted alone
-)
+_TRUST = 0.5  # in a new speed: trusted alone, turns and shifts that show the same alternated more and more
 _DAMPED = 0.8  # of its speed the lamp keeps, foretold, where it is lost
 
 
-@frozen(eq=False)
-class Instant:
-    """What the cameras show at a programme frame.
+@frozen
+class BackgroundTracker:
+    """Holds every picture against the background of the poses at the movement's ends, from one end and the other.
 
-    Attributes
-    ----------
-    frame : int
-        The programme frame.
-    pictures : mapping of str to (h, w) uint8
-        Camera -> its picture, of any size.
-    late : mapping of str to float
-        Camera -> by how many frames its picture was taken before that.
+    From the one over into the other: each weighs by the places that agree, and by how near it is.
     """
 
-    frame: int
-    pictures: Mapping[str, Grey]
-    late: Mapping[str, float]
+    name = "background"
 
-
-@frozen(eq=False)
-class End:
-    """A pose at one end of a movement.
-
-    Attributes
-    ----------
-    view : LampView
-        Where the lamp stands.
-    ground : Ground
-        Its relief.
-    templates : mapping of str to Template
-        What its cameras show.
-    bends : mapping of str to (3, 3) array
-        Camera -> its pixel by the rigid lamp -> by the pose's own projection.
-    """
-
-    view: LampView
-    ground: Ground
-    templates: Mapping[str, Template]
-    bends: Mapping[str, Homography]
-
-
-def follow(lamp: Lamp, before: End, after: End, instants: Sequence[Instant]) -> list[LampView | None]:
-    """Where the lamp stands at the instants of a movement.
-
-    Parameters
-    ----------
-    lamp : Lamp
-        Its rig.
-    before, after : End
-        The poses at its ends.
-    instants : sequence of Instant
-        In order, the first and last about at rest.
-
-    Returns
-    -------
-    list of LampView or None
-        None where it is lost.
-
-    Notes
-    -----
-    From the one end over into the other: each weighs by the places that agree, and by how near it is.
-    """
-    there = follow_from(lamp, before, instants)
-    back = follow_from(lamp, after, instants[::-1])[::-1]
-    first, last = instants[0].frame, instants[-1].frame
-    found: list[LampView | None] = []
-    for instant, a, b in zip(instants, there, back, strict=True):
-        way = (instant.frame - first) / max(last - first, 1)
-        parts = [(fit, near) for fit, near in ((a, 1 - way), (b, way)) if fit is not None and near > 0]
-        if len(parts) == 2 and not _agree(lamp, parts[0][0], parts[1][0]):
-            parts = [max(parts, key=lambda part: part[0].inliers)]
-        if not parts:
-            found.append(None)
-            continue
-        weights = np.array([fit.inliers * near**2 for fit, near in parts])
-        numbers = np.stack([fit.view.numbers for fit, _ in parts])
-        found.append(LampView.of(weights @ numbers / weights.sum()))
-    return found
+    def follow(self, lamp: Lamp, before: End, after: End, instants: Sequence[Instant]) -> list[LampView | None]:
+        """Where the lamp stands at the instants of a movement, None where it is lost; see `Tracker`."""
+        there = follow_from(lamp, before, instants)
+        back = follow_from(lamp, after, instants[::-1])[::-1]
+        first, last = instants[0].frame, instants[-1].frame
+        found: list[LampView | None] = []
+        for instant, a, b in zip(instants, there, back, strict=True):
+            way = (instant.frame - first) / max(last - first, 1)
+            parts = [(fit, near) for fit, near in ((a, 1 - way), (b, way)) if fit is not None and near > 0]
+            if len(parts) == 2 and not _agree(lamp, parts[0][0], parts[1][0]):
+                parts = [max(parts, key=lambda part: part[0].inliers)]
+            if not parts:
+                found.append(None)
+                continue
+            weights = np.array([fit.inliers * near**2 for fit, near in parts])
+            numbers = np.stack([fit.view.numbers for fit, _ in parts])
+            found.append(LampView.of(weights @ numbers / weights.sum()))
+        return found
 
 
 def follow_from(lamp: Lamp, end: End, instants: Sequence[Instant]) -> list[Fit | None]:

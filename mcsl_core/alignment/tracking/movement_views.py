@@ -14,8 +14,8 @@ from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.sample_store import SampleStore
 
 from ..observations import SolvedPose
-from .following import follow
 from .lamp import Lamp, LampView
+from .protocol import Tracker
 from .standing_poses import StandingPose, calibrated, instants_between
 
 _MARGIN_S = 0.3  # before and after: the lamp starts a little earlier than it is seen to
@@ -31,6 +31,7 @@ def follow_movements(
     progress: Progress,
     *,
     reference: str,
+    tracker: Tracker,
 ) -> tuple[Movement, ...]:
     """The movements, with how the cameras lie in them where the poses beside share a perspective with a relief.
 
@@ -48,6 +49,8 @@ def follow_movements(
         Told of every movement, and of those in which the lamp is lost.
     reference : str
         The reference camera.
+    tracker : Tracker
+        Who follows the lamp through each of them.
     """
     progress.stage("Following the lamp", len(movements), "movements")
     made: list[Movement] = []
@@ -62,7 +65,7 @@ def follow_movements(
             known = rigs[perspective]
             if known is not None and at - 1 in known[1] and at in known[1]:
                 beside = known[1][at - 1], known[1][at]
-                views = _views(known[0], beside, movement, samples, movements, footage)
+                views = _views(known[0], beside, movement, samples, movements, footage, tracker)
                 made[-1] = attrs.evolve(movement, views=views)
         if not made[-1].views:
             progress.note(f"frames {movement.range}: the lamp cannot be followed; the programme holds its camera")
@@ -77,13 +80,14 @@ def _views(
     samples: SampleStore,
     movements: Sequence[Movement],
     footage: Footage,
+    tracker: Tracker,
 ) -> tuple[MovementView, ...]:
     """Empty where the lamp is lost."""
     ends = [pose.end(lamp, samples, movements, movement) for pose in beside]
     margin = max(2, round(_MARGIN_S * float(footage.rate)))
     first, last = max(0, movement.range.start - margin), min(footage.frames - 1, movement.range.stop - 1 + margin)
     instants = instants_between(footage, first, last)
-    found = follow(lamp, ends[0], ends[1], instants)
+    found = tracker.follow(lamp, ends[0], ends[1], instants)
     frames = [instant.frame for instant in instants]
     known = [i for i, view in enumerate(found) if view is not None]
     gaps = np.diff([frames[0], *(frames[i] for i in known), frames[-1]])

@@ -19,8 +19,8 @@ from mcsl_core.recording.sample_store import SampleStore
 
 from ..observations import SolvedPose
 from ..steady import steady_view
-from .following import End, Instant
 from .lamp import AT_REST, Lamp, LampView, calibrate
+from .protocol import End, Instant
 from .templates import WIDTH, Grey, Ground, templates
 
 _RATE = 12.0  # instants a second: the lamp's speed changes by 500 px/s^2 of 960 at most, a third of a pixel between two

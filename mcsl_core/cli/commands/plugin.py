@@ -20,7 +20,13 @@ def plugin_group() -> None:
 
 @plugin_group.command("new")
 @click.argument("name")
-@click.option("--stage", type=click.Choice(list(STAGES)), required=True, help="What it does.")
+@click.option(
+    "--stage",
+    type=click.Choice(list(STAGES)),
+    metavar="STAGE",  # all of them on one line are wider than a terminal
+    required=True,
+    help=f"What it does: {', '.join(STAGES)}.",
+)
 @click.option("-o", "--out", type=PATH, help="The folder, which must not be there yet (default: ./NAME).")
 @click.pass_obj
 def new(session: Session, name: str, stage: str, out: Path | None) -> None:

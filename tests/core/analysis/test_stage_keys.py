@@ -6,6 +6,7 @@ A copy of the package is edited, and asked about in place of the one that runs.
 from __future__ import annotations
 
 import shutil
+import types
 from fractions import Fraction
 from pathlib import Path
 
@@ -19,10 +20,12 @@ from mcsl_core.analysis.settings import AnalysisSettings
 from mcsl_core.analysis.stage_keys import identity, stage_keys
 from mcsl_core.edl import Camera, Media, Shot
 from mcsl_core.hooks.registry import Plugins, discover
+from mcsl_core.hooks.specs import hookimpl
 from mcsl_core.hooks.stages import STAGES
 from mcsl_core.timing import FrameRange
 
-STAGE_NAMES = ("clocks", "samples", "movements", "poses", "colours", "merits", "followed", "scores", "closer", "cuts")
+BEFORE = ("clocks", "samples", "movements", "poses", "placed")
+STAGE_NAMES = (*BEFORE, "colours", "merits", "followed", "scores", "closer", "cuts")
 SHOTS = (Shot(FrameRange(0, 50), "a"), Shot(FrameRange(50, 90), "b"))
 
 
@@ -93,7 +96,7 @@ def test_a_copy_has_the_same_keys(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
         ("movement/displacement.py", "movements"),
         ("alignment/features.py", "poses"),
         ("alignment/anchoring.py", "poses"),
-        ("alignment/tracking/following.py", "followed"),
+        ("alignment/tracking/following.py", "placed"),
         ("occlusion/consensus.py", "scores"),
         ("selection/switch_refinement.py", "cuts"),
     ],
@@ -131,7 +134,6 @@ def test_words_and_layout_are_no_code(tree: Path) -> None:
         ({"sample_s": 2.0}, "samples"),
         ({"stages": {"movement": "paper"}}, "movements"),
         ({"solve": SolveSettings(scene_width=200)}, "poses"),
-        ({"movement_view": "hold"}, "scores"),
         ({"stages": {"occlusion": "hue-area"}}, "scores"),
         ({"stages": {"selector": "least-occluded"}}, None),
         ({"shots": SHOTS[:1]}, "cuts"),
@@ -142,6 +144,34 @@ def test_words_and_layout_are_no_code(tree: Path) -> None:
 )
 def test_a_changed_choice_changes_the_stages_it_is_for(change: dict, first: str | None) -> None:
     assert changed(keys(), keys(**change)) == (set() if first is None else from_stage(first))
+
+
+def test_a_programme_that_holds_its_camera_is_made_from_the_poses_as_they_were_solved() -> None:
+    assert changed(keys(), keys(movement_view="hold")) == from_stage("colours") - {"followed"}
+
+
+class Blind:
+    """A lamp tracker that sees nothing."""
+
+    name = "blind"
+
+    def follow(self, lamp, before, after, instants):
+        return [None] * len(instants)
+
+
+def test_the_tracker_and_its_version_change_what_is_followed_and_what_is_made_from_it() -> None:
+    def theirs(version: str) -> Plugins:
+        module = types.ModuleType("theirs")
+        vars(module)["register_trackers"] = hookimpl(specname="register_trackers")(lambda: [Blind()])
+        return discover([(module, "their-package", version)], entry_points=False)
+
+    built_in, ask = keys(plugins=theirs("1")), {"stages": {"tracker": "blind"}}
+    assert built_in == keys(), "what is not chosen counts for nothing"
+    own = keys(plugins=theirs("1"), **ask)
+    assert changed(built_in, own) == from_stage("followed")
+    assert changed(own, keys(plugins=theirs("2"), **ask)) == from_stage("followed")
+    held = {**ask, "movement_view": "hold"}
+    assert changed(keys(movement_view="hold"), keys(plugins=theirs("1"), **held)) == {"followed"}, "which nothing asks"
 
 
 PLUGIN = """
@@ -168,7 +198,7 @@ def test_a_plugin_is_asked_by_all_of_its_source_and_what_it_takes_from_mcsl(
     (tmp_path / "halves/beside.py").write_text("X = 2\n")
     after = keys(**ask)
     assert changed(before, after) == from_stage("scores")
-    for file in ("hooks/__init__.py", "hooks/guards.py", "hooks/registry.py", "selection/selectors.py"):
+    for file in ("hooks/__init__.py", "hooks/stage_guards.py", "hooks/registry.py", "selection/selectors.py"):
         path = tree / file
         path.write_text(path.read_text() + "\nADDED = 1\n")
     assert keys(**ask) == after, "the names that it imports come from elsewhere"

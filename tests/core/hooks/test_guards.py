@@ -17,6 +17,9 @@ from mcsl_core.alignment.aligned_views import AlignedPose
 from mcsl_core.alignment.correspondences import Correspondences
 from mcsl_core.alignment.protocol import Alignment, Features
 from mcsl_core.alignment.relief.protocol import ReliefCamera, ReliefScene, ReliefSurface, ReliefView
+from mcsl_core.alignment.tracking.lamp import AT_REST, Lamp
+from mcsl_core.alignment.tracking.protocol import End, Instant
+from mcsl_core.alignment.tracking.templates import Ground, Template
 from mcsl_core.centering.protocol import FieldPosition
 from mcsl_core.edl import Movement, Shot, Weak
 from mcsl_core.errors import Cancelled, InputError, McslError, PluginError
@@ -42,6 +45,10 @@ GOOD_ALIGNMENT = Alignment(dict.fromkeys(CAMERAS, np.eye(3)), {"cam2": 1.0}, {"c
 SEEN = ReliefCamera(SIZE, np.eye(3, 4), np.eye(3), (ReliefView(PICTURE, np.ones((18, 32), bool)),))
 SCENE = ReliefScene(SIZE, dict.fromkeys(CAMERAS, SEEN), np.ones((4, 3)))
 GOOD_RELIEF = ReliefSurface(np.zeros((3, 4)), np.ones((3, 4)), frozenset(CAMERAS))
+LAMP = Lamp(dict.fromkeys(CAMERAS, SIZE), dict.fromkeys(CAMERAS, 50.0), dict.fromkeys(CAMERAS, np.eye(3, 4)), np.eye(4))
+SHOWN = Template(PICTURE[..., 0], np.ones((4, 2), np.float32), np.ones((4, 3)))
+END = End(AT_REST, Ground.of(SIZE, np.zeros((3, 4))), dict.fromkeys(CAMERAS, SHOWN), dict.fromkeys(CAMERAS, np.eye(3)))
+INSTANTS = [Instant(frame, dict.fromkeys(CAMERAS, PICTURE[..., 0]), {}) for frame in (10, 12)]
 FRAMES = 60
 
 
@@ -81,6 +88,7 @@ CALLS: dict[tuple[str, str], Callable] = {
     ("matcher", "match"): lambda s: s.match(read_only(POINTS), read_only(POINTS)),
     ("aligner", "align"): lambda s: s.align({CAMERAS: PAIR}, dict.fromkeys(CAMERAS, SIZE), "cam1"),
     ("relief", "estimate"): lambda s: s.estimate(SCENE),
+    ("tracker", "follow"): lambda s: s.follow(LAMP, END, END, INSTANTS),
     ("occlusion", "scorer"): lambda s: s.scorer(POSE, [views()]),
     ("occlusion", "score"): lambda s: s.scorer(POSE, [views()]).score(views()),
     ("selector", "select"): lambda s: s.select(table(), frames=FRAMES, rate=Fraction(30)),
@@ -135,6 +143,7 @@ GOOD = {
     ("matcher", "match"): np.array([[0, 1], [1, 0]]),
     ("aligner", "align"): GOOD_ALIGNMENT,
     ("relief", "estimate"): GOOD_RELIEF,
+    ("tracker", "follow"): (AT_REST, None),
     ("occlusion", "score"): {"cam1": 0, "cam2": np.float32(1)},
     ("selector", "select"): [shot(0, 20), shot(20, 60, "cam2")],
     ("centerer", "centre"): [(0, 1, 2.0), (np.int64(30), np.float64(0), 0)],
@@ -182,6 +191,13 @@ BAD = [
     ("relief", "estimate", attrs.evolve(GOOD_RELIEF, gamma=np.zeros((4, 4))), r"gamma \(4, 4\), confidence \(3, 4\)"),
     ("relief", "estimate", attrs.evolve(GOOD_RELIEF, confidence=np.full((3, 4), 2.0)), "a confidence outside of 0..1"),
     ("relief", "estimate", attrs.evolve(GOOD_RELIEF, cameras=frozenset(["cam9"])), "gave cam9, which no camera"),
+    ("tracker", "follow", None, "gave None, expected Sequence"),
+    ("tracker", "follow", [AT_REST], "gave 1 views of 2 instants"),
+    ("tracker", "follow", [None, AT_REST.numbers], r"an array of float64 and shape \(7,\), expected LampView"),
+    ("tracker", "follow", [None, attrs.evolve(AT_REST, turn=np.eye(3))], "as turn at frame 12, expected 3 finite"),
+    ("tracker", "follow", [attrs.evolve(AT_REST, shift=np.full(3, NAN)), None], "as shift at frame 10, expected 3"),
+    ("tracker", "follow", [None, attrs.evolve(AT_REST, shift=[0, 0, 0])], r"gave \[0, 0, 0\] as shift at frame 12"),
+    ("tracker", "follow", [None, attrs.evolve(AT_REST, zoom=NAN)], "gave nan as zoom at frame 12, expected a number"),
     ("occlusion", "scorer", 3, "gave 3, which has no score"),
     ("occlusion", "score", [0.5, 0.5], "expected Mapping"),
     ("occlusion", "score", {"cam1": 0.5}, "gave None for camera cam2, expected a number in 0..1"),
@@ -263,6 +279,11 @@ def spoils(value: object) -> Callable[[object], object]:
         ("relief", "estimate", lambda scene: scene.points),
         ("relief", "estimate", lambda scene: scene.cameras["cam2"].projection),
         ("relief", "estimate", lambda scene: scene.cameras["cam2"].views[0].picture),
+        ("tracker", "follow", lambda lamp, before, after, instants: lamp.mounts["cam2"]),
+        ("tracker", "follow", lambda lamp, before, after, instants: before.view.turn),
+        ("tracker", "follow", lambda lamp, before, after, instants: after.ground.gamma),
+        ("tracker", "follow", lambda lamp, before, after, instants: after.templates["cam1"].places),
+        ("tracker", "follow", lambda lamp, before, after, instants: instants[1].pictures["cam1"]),
         ("occlusion", "scorer", lambda pose, samples: pose.field),
         ("occlusion", "scorer", lambda pose, samples: pose.homographies["cam2"]),
         ("occlusion", "scorer", lambda pose, samples: samples[0][1].picture),
@@ -288,6 +309,9 @@ def test_arrays_that_are_handed_over_cannot_be_written_to(stage: str, method: st
         ("aligner", "align", lambda pairs, sizes, reference: sizes.update(cam1=(1, 1))),
         ("aligner", "align", lambda pairs, sizes, reference: pairs.clear()),
         ("relief", "estimate", lambda scene: scene.cameras.pop("cam2")),
+        ("tracker", "follow", lambda lamp, before, after, instants: before.bends.pop("cam2")),
+        ("tracker", "follow", lambda lamp, before, after, instants: instants.clear()),
+        ("tracker", "follow", lambda lamp, before, after, instants: instants[0].late.update(cam1=1.0)),
         ("occlusion", "scorer", lambda pose, samples: pose.homographies.pop("cam2")),
         ("occlusion", "score", lambda views: setattr(views[0], "camera", "cam2")),
         ("selector", "select", lambda table, **_: setattr(table, "cameras", ())),

@@ -80,3 +80,12 @@ def test_a_relief_of_their_own_stands_beside_the_built_in_ones() -> None:
     plugins = found(plugin("register_reliefs", [flat]))
     assert plugins.choose("relief", "flat").checked.estimate(ReliefScene((8, 8), {})) is None
     assert {o.name for o in plugins.offers if o.stage == "relief"} == {"plane-sweep", "plane", "flat"}
+
+
+def test_a_tracker_of_their_own_stands_beside_the_built_in_one() -> None:
+    blind = types.SimpleNamespace(name="blind", follow=lambda lamp, before, after, instants: [None] * len(instants))
+    plugins = found(plugin("register_trackers", [blind]))
+    assert str(plugins.choose("tracker", "blind")) == "blind (their-package 1.2)"
+    assert plugins.choose("tracker").name == "background"
+    with pytest.raises(PluginError, match=r"register_trackers offers .* which lacks follow"):
+        found(plugin("register_trackers", [types.SimpleNamespace(name="lazy")]))

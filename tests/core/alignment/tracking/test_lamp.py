@@ -2,52 +2,15 @@
 
 from __future__ import annotations
 
-import cv2
 import numpy as np
 import pytest
+from lamp_scene import MOVED, NAMES, SIZE, scene, seen, true_lamp, turned
 
-from mcsl_core.alignment.steady import SteadyView
 from mcsl_core.alignment.tracking.fitting import Sighting, fit_view
-from mcsl_core.alignment.tracking.following import End, Instant, follow
-from mcsl_core.alignment.tracking.lamp import AT_REST, Lamp, LampView, calibrate
-from mcsl_core.alignment.tracking.templates import Ground, templates
-from mcsl_core.imaging.geometry import inverse, project
-from mcsl_core.simulation import Scenario
-from mcsl_core.simulation.rig import LampPose, Rig
-
-SIZE = (480, 270)
-NAMES = ("cam1", "cam2", "cam3", "cam4", "cam5")
-HEIGHT = 1.5e-3  # of inverse distance that gamma 1 stands above gamma 0
-
-
-def true_lamp() -> Lamp:
-    """The simulator's rig, as a lamp at rest."""
-    rig = Rig.of(Scenario(seed=7, size=SIZE, cameras=5))
-    pose = LampPose(np.array([0.0, 0.0, 1000.0]), np.array([0.0, 0.0, 5.0]))
-    cameras = [rig.pinhole(n, pose) for n in range(5)]
-    home = cameras[0]
-    distance = float((home.R @ np.zeros(3) + home.t)[2])
-    mounts = {
-        name: np.column_stack([c.R @ home.R.T, (c.t - c.R @ home.R.T @ home.t) / distance])
-        for name, c in zip(NAMES, cameras, strict=True)
-    }
-    to_metric = np.zeros((4, 4))
-    to_metric[:3, :3] = np.linalg.inv(home.K)
-    to_metric[3] = [1e-4, -2e-4, 1 - 1e-4 * 240 + 2e-4 * 135, HEIGHT]
-    return Lamp(dict.fromkeys(NAMES, SIZE), {n: float(c.K[0, 0]) for n, c in zip(NAMES, cameras, strict=True)},
-                mounts, to_metric)  # fmt: skip
-
-
-def scene(count: int = 60) -> np.ndarray:
-    rng = np.random.default_rng(3)
-    return np.column_stack([rng.uniform(40, 440, count), rng.uniform(30, 240, count), rng.uniform(-8, 16, count)])
-
-
-MOVED = LampView(np.array([0.05, -0.11, 0.35]), np.array([0.12, -0.05, 0.03]), 0.04)
-
-
-def seen(lamp: Lamp, view: LampView) -> dict[str, np.ndarray]:
-    return {name: lamp.projection(name, view) for name in NAMES}
+from mcsl_core.alignment.tracking.following import BackgroundTracker
+from mcsl_core.alignment.tracking.lamp import AT_REST, LampView, calibrate
+from mcsl_core.hooks.guards import read_only
+from mcsl_core.imaging.geometry import project
 
 
 def test_a_rig_is_calibrated_from_its_projections() -> None:
@@ -78,6 +41,15 @@ def test_a_rig_is_calibrated_from_its_projections() -> None:
             assert np.median(off) < 0.5
     assert views[1].turn == pytest.approx(MOVED.turn, abs=0.02)
     assert views[1].zoom == pytest.approx(MOVED.zoom, abs=0.02)
+
+
+def test_a_lamp_that_cannot_be_written_to_tells_the_same() -> None:
+    """As plugins are handed it."""
+    lamp, view = true_lamp(), MOVED
+    locked, locked_view = read_only(lamp), read_only(view)
+    for name in NAMES:
+        assert (locked.projection(name, locked_view) == lamp.projection(name, view)).all()
+    assert (locked.motion(locked_view, locked_view) == lamp.motion(view, view)).all()
 
 
 def test_views_may_count_from_a_later_pose() -> None:
@@ -118,48 +90,10 @@ def test_a_view_is_found_among_many_wrong_places() -> None:
         assert np.hypot(*off.T).max() < 0.4
 
 
-def drawn(lamp: Lamp, ground: Ground, texture: np.ndarray, camera: str, view: LampView) -> np.ndarray:
-    """A camera's picture of a texture that lies over the programme's pixels at gamma 0."""
-    projection = lamp.projection(camera, view)
-    back = inverse(projection[:, :3])
-    picture = cv2.warpPerspective(texture, np.linalg.inv(back) @ np.diag([0.5, 0.5, 1.0]), SIZE, flags=cv2.INTER_AREA)
-    return np.asarray(picture, np.uint8)
-
-
 def test_a_lamp_is_followed_from_both_ends_past_an_arm() -> None:
     """A camera is late by half a frame; an arm covers a third of every picture, another in each frame."""
-    lamp, rng = true_lamp(), np.random.default_rng(5)
-    texture = cv2.GaussianBlur(rng.integers(0, 255, (2 * SIZE[1], 2 * SIZE[0])).astype(np.uint8), (0, 0), 3)
-    texture = cv2.normalize(texture, None, 0, 255, cv2.NORM_MINMAX)  # pyright: ignore[reportCallIssue, reportArgumentType]
-    ground = Ground.of(SIZE, np.zeros((8, 12)))
-    ends = []
-    for view in (AT_REST, MOVED):
-        whole = np.ones(SIZE[::-1], bool)
-        views = {
-            n: SteadyView(cv2.cvtColor(drawn(lamp, ground, texture, n, view), cv2.COLOR_GRAY2BGR), whole)  # pyright: ignore
-            for n in NAMES
-        }
-        made = templates(ground, views, seen(lamp, view), lamp.sizes)
-        ends.append(End(view, ground, made, dict.fromkeys(NAMES, np.eye(3))))
-    way = [0.0, 0.0, *np.linspace(0, 1, 21) ** 2 * (3 - 2 * np.linspace(0, 1, 21)), 1.0, 1.0]
-    late = {"cam3": 0.5}
-
-    def at(frame: float) -> LampView:
-        return LampView.of(np.interp(frame, range(len(way)), way) * MOVED.numbers)
-
-    instants = []
-    for frame in range(len(way)):
-        pictures = {n: drawn(lamp, ground, texture, n, at(frame - late.get(n, 0.0))) for n in NAMES}
-        for picture in pictures.values():
-            x = int(rng.integers(0, 2 * SIZE[0] // 3))
-            picture[:, x : x + SIZE[0] // 3] = 120
-        instants.append(Instant(frame, pictures, late))
-    found = follow(lamp, ends[0], ends[1], instants)
-    points = scene()
-    for instant, view in zip(instants, found, strict=True):
+    way = turned(arm=1 / 3)
+    found = BackgroundTracker().follow(way.lamp, way.before, way.after, way.instants)
+    for index, view in enumerate(found):
         assert view is not None
-        for name in NAMES:
-            off = project(lamp.projection(name, view), points) - project(
-                lamp.projection(name, at(instant.frame)), points
-            )
-            assert np.median(np.hypot(*off.T)) < 0.8, instant.frame
+        assert way.off(index, view) < 0.8, index
