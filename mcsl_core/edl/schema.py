@@ -140,7 +140,7 @@ class Pose:
     residual_px: Mapping[str, float] = field(
         factory=dict,
         validator=NOT_NEGATIVE,
-        metadata=doc("camera -> rms transfer error of the matches kept, reference pixels"),
+        metadata=doc("camera -> rms distance from its plane of what laid it, matches or the surface, reference pixels"),
     )
     support: Mapping[str, int] = field(
         factory=dict,

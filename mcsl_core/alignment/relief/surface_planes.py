@@ -1,53 +1,19 @@
-"""What ties the planes of a pose whose surface is known: points of the surface all over the field, hands left out."""
+"""What lays the planes of a pose whose surface is known: points of the surface all over the field."""
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 
-from mcsl_core.imaging.geometry import Array, project, scaling, size_at_columns, transform_points
-from mcsl_core.imaging.masks import Mask, mask_at, resize_mask
+from mcsl_core.imaging.geometry import Array, Homography, scaling, size_at_columns, transform_points
+from mcsl_core.imaging.masks import Mask, resize_mask
 from mcsl_core.imaging.relief import node_pixels
 
-from ..correspondences import Correspondences, Pairs
 from .field_surface import field_gamma
-from .matching import AROUND_WEIGHT, FIELD_POINTS, WIDTH
-from .pose_relief import PoseRelief
+from .matching import FIELD_POINTS, WIDTH
 
+FEWEST = 20  # points of a field that lay a plane
 _LAYS = 0.25  # confidence of the surface from which a node says where a plane lies
-
-
-def surface_pairs(relief: PoseRelief, reference: str, field: Mask) -> Pairs:
-    """Where every camera sees a grid of points all over the field, by the surface as it goes on under hands.
-
-    Parameters
-    ----------
-    relief : PoseRelief
-        Of a pose in which hands rest; it serves the reference camera.
-    reference : str
-        The pose's reference camera.
-    field : (H, W) bool array
-        Where the surgical field lies in the programme's picture, of any size.
-
-    Returns
-    -------
-    mapping of (str, str) to Correspondences
-        Each camera's with the reference; outside of the field what weighs next to nothing, as `field_pairs` has it.
-    """
-    size = relief.scene.size
-    nodes = sure_nodes(relief.seen.gamma, relief.seen.confidence, size)
-    if not len(nodes):
-        return {}
-    inside = field_points(nodes, field, size, relief.height)
-    beside = nodes[~mask_at(field, transform_points(scaling(size, field.shape[::-1]), nodes[:, :2]))]
-    weight = np.concatenate([np.ones(len(inside)), np.full(len(beside), AROUND_WEIGHT)])
-    scene = np.concatenate([inside, beside])
-    seen = np.ones(len(scene), np.int64)
-    own = project(relief.scene.cameras[reference].projection, scene)
-    return {
-        (reference, name): Correspondences(own, project(camera.projection, scene), weight, seen)
-        for name, camera in relief.scene.cameras.items()
-        if name != reference and name in relief.surface.cameras
-    }
 
 
 def sure_nodes(gamma: Array, confidence: Array, size: tuple[int, int]) -> Array:
@@ -75,7 +41,7 @@ def field_points(nodes: Array, field: Mask, size: tuple[int, int], height: float
     Parameters
     ----------
     nodes : (N, 3) array
-        Scene points that are sure; one at least.
+        Scene points that are sure.
     field : (H, W) bool array
         Where the surgical field lies in the programme's picture, of any size.
     size : (int, int)
@@ -86,8 +52,10 @@ def field_points(nodes: Array, field: Mask, size: tuple[int, int], height: float
     Returns
     -------
     (M, 3) array
-        Scene points; as `field_gamma` carries the surface on where no node is sure.
+        Scene points; as `field_gamma` carries the surface on where no node is sure. None without any sure node.
     """
+    if not len(nodes):
+        return np.zeros((0, 3))
     reduced = size_at_columns(size, WIDTH)
     mask = resize_mask(field, reduced)
     at_nodes = transform_points(scaling(size, reduced), nodes[:, :2])
@@ -98,3 +66,8 @@ def field_points(nodes: Array, field: Mask, size: tuple[int, int], height: float
     at = np.argwhere(grid & mask)
     pixels = transform_points(scaling(reduced, size), at[:, ::-1].astype(np.float64))
     return np.column_stack([pixels, gamma[at[:, 0], at[:, 1]]])
+
+
+def plane_through(seen: Array, home: Array) -> Homography:
+    """(3, 3): the homography of least squares, camera pixel -> another's, of (N, 2) points; four at least."""
+    return np.asarray(cv2.findHomography(seen, home, 0)[0], np.float64)

@@ -6,7 +6,7 @@ movement that leads there, and of the pose itself, is held against the backgroun
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import attrs
 import cv2
@@ -23,7 +23,6 @@ from mcsl_core.imaging.geometry import (
     scaling,
     to_edl_matrix,
     to_edl_projection,
-    transform_points,
 )
 from mcsl_core.imaging.masks import warp_mask
 from mcsl_core.imaging.relief import between_nodes, node_pixels
@@ -34,8 +33,9 @@ from mcsl_core.recording.sample_store import SampleStore
 from ..colour_match import colours_of
 from ..observations import SolvedPose
 from ..photo_consistency import Agreement, LaidView, agreement
+from ..planes_by_surface import laid_by_surface
 from ..relief.field_surface import height_of_gamma
-from ..relief.surface_planes import field_points, sure_nodes
+from ..relief.surface_planes import FEWEST, field_points, plane_through, sure_nodes
 from ..steady import steady_view
 from .following import follow_from
 from .lamp import Lamp, LampView
@@ -88,6 +88,7 @@ class PosePlacer:
             if rig is None:
                 continue
             lamp, known = rig
+            by_pictures = set(known)
             for i, standing in known.items():
                 if held := self._held(lamp, standing):
                     known[i] = self._completed(standing, held)
@@ -97,7 +98,7 @@ class PosePlacer:
                 if (found := self._followed(lamp, known[by], placed[to])) is not None:
                     known[to], placed[to] = found, found.pose
                     progress.note(f"frames {placed[to].pose.range}: its views lie as the lamp was followed there")
-            if here[0] in known and known[here[0]].pose is not solved[here[0]]:
+            if here[0] in known.keys() - by_pictures:
                 _base_on_first(placed, known, here)
         return [_drawn_anew(now, before) for now, before in zip(placed, solved, strict=True)]
 
@@ -113,7 +114,7 @@ class PosePlacer:
         else:
             limit = self.movements[at - 1].range.stop if at else 0
             first, last = max(movement.range.start - into, limit), movement.range.stop - 1
-        if last <= first:
+        if last <= first or len(_field_points(known)) < FEWEST:
             return None
         instants = instants_between(self.footage, first, last)
         end = known.end(lamp, self.samples, self.movements, movement)
@@ -138,7 +139,7 @@ class PosePlacer:
         none = np.eye(3)
         projections = {name: end.bends.get(name, none) @ lamp.projection(name, view) for name in lamp.mounts}
         points, full, before = _field_points(known), lamp.sizes[self.reference], known.pose.aligned
-        anchor = _homography(project(projections[self.reference], points), points[:, :2])
+        anchor = plane_through(project(projections[self.reference], points), points[:, :2])
         there = inverse(anchor) @ np.array(known.pose.pose.anchor)
         warp = scaling(full, pose.aligned.size) @ there @ scaling(before.size, full)
         aligned = attrs.evolve(pose.aligned, field=warp_mask(before.field, warp, pose.aligned.size), hands={})
@@ -146,7 +147,7 @@ class PosePlacer:
             pose.pose, anchor=to_edl_matrix(anchor), relief=_document(known.gamma, known.confidence, projections)
         )
         made = attrs.evolve(pose, pose=made, aligned=aligned, field_by=known.pose.field_by)
-        made = self._by_surface(made, projections, points, lamp.mounts)
+        made = self._laid(made, projections, points)
         return _standing(made, view)
 
     def _held(self, lamp: Lamp, standing: StandingPose) -> dict[str, Array]:
@@ -155,7 +156,7 @@ class PosePlacer:
         How their pictures agree with the others' decides; a weak camera has no plane, and may but be refuted.
         """
         lacking = sorted(lamp.mounts.keys() - standing.projections.keys())
-        if not lacking:
+        if not lacking or len(_field_points(standing)) < FEWEST:
             return {}
         ground = Ground.of(lamp.sizes[self.reference], standing.gamma)
         shown = {n: steady_view([self.samples.picture(i, n) for i in standing.pose.samples]) for n in lamp.mounts}
@@ -184,28 +185,14 @@ class PosePlacer:
         """The pose with cameras that its relief lacks."""
         relief = _document(standing.gamma, standing.confidence, {**standing.projections, **held})
         pose = attrs.evolve(standing.pose, pose=attrs.evolve(standing.pose.pose, relief=relief))
-        return _standing(self._by_surface(pose, held, _field_points(standing), held), standing.view)
+        return _standing(self._laid(pose, held, _field_points(standing)), standing.view)
 
-    def _by_surface(
-        self, pose: SolvedPose, projections: Mapping[str, Array], points: Array, cameras: Iterable[str]
-    ) -> SolvedPose:
-        """The pose with cameras laid by the planes that serve the surface's points best."""
-        planes = {n: _homography(project(projections[n], points), points[:, :2]) for n in cameras}
-        back = inverse(np.array(pose.pose.anchor))
-        homographies = {**pose.aligned.homographies, **{name: back @ plane for name, plane in planes.items()}}
-        homographies[self.reference] = np.eye(3)
-        aligned = attrs.evolve(pose.aligned, homographies=homographies)
-        off = {n: transform_points(h, project(projections[n], points)) - points[:, :2] for n, h in planes.items()}
-        rms = {n: round(float(np.sqrt((o**2).sum(axis=1).mean())), 3) for n, o in off.items() if n != self.reference}
-        made = attrs.evolve(
-            pose.pose,
-            homographies={name: to_edl_matrix(h) for name, h in homographies.items()},
-            colour=colours_of(aligned, [self.samples[i].pictures for i in pose.samples]),
-            residual_px={**pose.pose.residual_px, **rms},
-            support={**pose.pose.support, **dict.fromkeys(rms, len(points))},
-            weak=tuple(weak for weak in pose.pose.weak if weak.camera not in homographies),
-        )
-        return attrs.evolve(pose, pose=made, aligned=aligned)
+    def _laid(self, pose: SolvedPose, projections: Mapping[str, Array], points: Array) -> SolvedPose:
+        """The pose with these cameras laid by the surface, and no longer weak."""
+        laid = laid_by_surface(pose, projections, points)
+        colour = colours_of(laid.aligned, [self.samples[i].pictures for i in pose.samples])
+        weak = tuple(weak for weak in pose.pose.weak if weak.camera not in projections)
+        return attrs.evolve(laid, pose=attrs.evolve(laid.pose, colour=colour, weak=weak))
 
 
 def _drawn_anew(now: SolvedPose, before: SolvedPose) -> SolvedPose:
@@ -241,7 +228,7 @@ def _base_on_first(poses: list[SolvedPose], known: Mapping[int, StandingPose], h
     reference = first.pose.aligned.reference
     to_new = np.vstack([first.projections[reference], [0, 0, 0, 1]])
     points = _field_points(first)
-    between = _homography(points[:, :2], project(to_new[:3], points))
+    between = plane_through(points[:, :2], project(to_new[:3], points))
     for i in here:
         pose = poses[i].pose
         anchor = between @ np.array(pose.anchor)
@@ -261,7 +248,7 @@ def _over(standing: StandingPose, to_new: Array) -> tuple[Homography, Pose]:
     relief = _document(gamma.reshape(shape), confidence.reshape(shape), projections)
     points = _field_points(standing)
     seen = project(standing.projections[reference], points)
-    anchor = _homography(seen, project(to_new[:3], points))
+    anchor = plane_through(seen, project(to_new[:3], points))
     return anchor, attrs.evolve(standing.pose.pose, relief=relief)
 
 
@@ -296,7 +283,3 @@ def _document(gamma: Array, confidence: Array, projections: Mapping[str, Array])
         tuple(tuple(round(float(v), 3) for v in row) for row in gamma),
         tuple(tuple(round(100 * float(v)) for v in row) for row in confidence),
     )
-
-
-def _homography(a: Array, b: Array) -> Homography:
-    return np.asarray(cv2.findHomography(a, b, 0)[0], np.float64)
