@@ -115,7 +115,8 @@ class PoseSolver:
         cameras = relief_cameras(views, first.homographies, rigs)
         if known is None:  # what is found in views laid by their points lays them well enough to find it again
             coarse = self._field(first, for_field, samples)
-            field = self._field(self._together(first, by_points, cameras, coarse, views), for_field, samples)
+            laid = self._together(first, by_points, cameras, coarse, views)
+            field = self._field(laid, for_field, samples, coarse)
         else:
             field = known
         tied = self._together(first, by_points, cameras, field, views)
@@ -167,10 +168,12 @@ class PoseSolver:
         }
         return self.aligner.align(pairs, sizes, self.reference), pairs
 
-    def _field(self, alignment: Alignment, positions: Sequence[int], samples: Samples) -> Mask:
-        """Where the field lies, empty where nothing shows one, by how the views lie now."""
+    def _field(
+        self, alignment: Alignment, positions: Sequence[int], samples: Samples, before: Mask | None = None
+    ) -> Mask:
+        """Where the field lies, empty where nothing shows one, by how the views lie now; ``before``: as they did."""
         coarse = self._aligned(alignment, self.settings.typical_width)
-        return find_field(coarse, [samples[i].pictures for i in positions])
+        return find_field(coarse, [samples[i].pictures for i in positions], before)
 
     def _together(
         self, first: Alignment, by_points: Pairs, relief: ReliefCameras | None, field: Mask, views: Views
