@@ -32,7 +32,7 @@ _DOUBT = 0.25
 _STEADY = 6  # levels of 255 that a pixel may be off its median half of the time: noise and breathing, not hands
 
 
-def match_colours(source_bgr: U8, target_bgr: U8, mask: U8) -> Colour:
+def match_colours(source_bgr: U8, target_bgr: U8, mask: U8) -> Colour | None:
     """Fits the map of one camera's colours to another's.
 
     Parameters
@@ -44,9 +44,9 @@ def match_colours(source_bgr: U8, target_bgr: U8, mask: U8) -> Colour:
 
     Returns
     -------
-    Colour
+    Colour or None
         The affine map of the source's codes to the target's: gains in 0.5..2, offsets in -40..40. With fewer than 400
-        useful pixels the identity.
+        useful pixels the identity. None where both have texture and in no colour the same: they show different things.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def match_colours(source_bgr: U8, target_bgr: U8, mask: U8) -> Colour:
     chosen = chosen[:: max(1, len(chosen) // _MOST_PIXELS)]
     a, b = a[chosen], b[chosen]
     fits = _fit(a, b)
-    return as_matrix(fits[:, 0], fits[:, 1])
+    return None if fits is None else as_matrix(fits[:, 0], fits[:, 1])
 
 
 def colours_of(aligned: AlignedPose, samples: Sequence[Mapping[str, Picture | None]]) -> dict[str, Colour]:
@@ -97,7 +97,9 @@ def colours_of(aligned: AlignedPose, samples: Sequence[Mapping[str, Picture | No
     for name, median in medians.items():
         overlap = steady[name] & steady[aligned.reference]
         if overlap.mean() > 0.02:
-            colours[name] = match_colours(median, target, overlap.astype(np.uint8))
+            found = match_colours(median, target, overlap.astype(np.uint8))
+            if found is not None:
+                colours[name] = found
     return colours
 
 
@@ -184,10 +186,12 @@ def apply_colour(planes: Planes, colour: Colour) -> Planes:
     return Planes(new_y, new_u, new_v)  # pyright: ignore[reportArgumentType]
 
 
-def _fit(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(3, 2) gain and offset of each colour; a pixel that fits badly in one is left out of all."""
+def _fit(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """(3, 2) gain and offset of each colour; a pixel that fits badly in one is left out of all. None: see above."""
     gains, offsets = _start(a, b)
+    unlike = False
     for _ in range(_ROUNDS):
+        textured = likened = 0
         residual = np.abs(b - (a * gains + offsets)).max(axis=1)
         keep = residual <= max(3.0, 2.5 * float(np.median(residual)))
         new_gains, new_offsets = np.empty(3), np.empty(3)
@@ -195,8 +199,10 @@ def _fit(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
             x, y = a[keep, channel], b[keep, channel]
             spread_x, spread_y = x.std(), y.std()
             # Both have noise, so neither regression is right; the ratio of spreads is, where the two go together.
-            alike = float(np.corrcoef(x, y)[0, 1]) if spread_x > 2 and spread_y > 2 else 0.0
+            has_texture = spread_x > 2 and spread_y > 2
+            alike = float(np.corrcoef(x, y)[0, 1]) if has_texture else 0.0
             together = alike > 0.5
+            textured, likened = textured + has_texture, likened + together
             gain = np.clip(spread_y / spread_x if together else 1.0, *GAINS)
             offset = np.clip(y.mean() - gain * x.mean(), *OFFSETS)
             if together:  # what the two share little of says little of black: then the gain alone has to explain more
@@ -204,10 +210,11 @@ def _fit(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
                 offset *= _BLACK**2 / (_BLACK**2 + doubt**2)
                 gain = np.clip((y.mean() - offset) / x.mean(), *GAINS)
             new_gains[channel], new_offsets[channel] = gain, offset
+        unlike = textured == 3 and not likened
         if np.allclose(new_gains, gains, atol=1e-4) and np.allclose(new_offsets, offsets, atol=1e-2):
             break
         gains, offsets = new_gains, new_offsets
-    return np.stack([gains, offsets], axis=1)
+    return None if unlike else np.stack([gains, offsets], axis=1)
 
 
 def _start(a: NDArray[np.float64], b: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

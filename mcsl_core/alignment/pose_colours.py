@@ -63,7 +63,7 @@ def follow_drift(
     Returns
     -------
     list of PoseColours
-        One a pose. Without any drift the pose keeps the match it has.
+        One a pose. Without any drift the pose keeps the match it has; what it lacks another pose lends.
     """
     progress.stage("Following the cameras' colours", len(solved), "poses")
     found = []
@@ -75,7 +75,20 @@ def follow_drift(
         colour = _matched_level(samples, pose, keys) if keys else {}
         found.append(PoseColours(colour or pose.pose.colour, keys))
         progress.advance(len(found))
-    return found
+    return _lent(found, [set(pose.aligned.homographies) - {pose.aligned.reference} for pose in solved])
+
+
+def _lent(found: Sequence[PoseColours], cameras: Sequence[set[str]]) -> list[PoseColours]:
+    """Cameras that a pose has no match of, as a head hides the field from them, have that of the nearest pose."""
+    made = []
+    for i, own in enumerate(found):
+        lent = {}
+        for name in sorted(cameras[i] - own.colour.keys()):
+            others = [n for n, other in enumerate(found) if name in other.colour]
+            if others:
+                lent[name] = found[min(others, key=lambda n, i=i: abs(n - i))].colour[name]
+        made.append(attrs.evolve(own, colour={**own.colour, **lent}) if lent else own)
+    return made
 
 
 def _matched_level(

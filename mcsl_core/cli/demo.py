@@ -21,7 +21,7 @@ from mcsl_core.outputs.claim import claim, claim_folder
 from mcsl_core.outputs.inputs import inputs_of
 from mcsl_core.outputs.manifest import Manifest
 from mcsl_core.progress import Progress
-from mcsl_core.report.contact_sheet import contact_sheet, save_picture
+from mcsl_core.report.contact_sheet import contact_sheet, movement_sheet, save_picture
 from mcsl_core.simulation import Scenario, Truth, alignment_error, best_plane_error, simulate
 
 DURATION_S = 40.0
@@ -47,7 +47,8 @@ def run_demo(folder: Path, *, seed: int, blender: str | None, force: bool = Fals
     desk, plugins = blenders.find(blender), discover()  # what is broken is said before the long work
     recording, edl_path = folder / "recording", folder / "edl.json"
     blend, video, sheet = folder / "edit.blend", folder / "programme.mp4", folder / "contact-sheet.png"
-    for file in (blend, video, sheet):
+    moving = folder / "movement-sheet.png"
+    for file in (blend, video, sheet, moving):
         claim(file, manifest=Manifest.beside(edl_path), force=force)
     scenario = Scenario(seed=seed, duration_s=DURATION_S, movements=1)
     truth = simulate(scenario, recording, progress, force=force)
@@ -55,9 +56,13 @@ def run_demo(folder: Path, *, seed: int, blender: str | None, force: bool = Fals
     build_timeline(edl_path, blend, blender=desk, force=force, progress=progress)
     rendering.render(blend, video, preset="h264", engine="blender", blender=desk, force=force, progress=progress)
     middles = [(p.range.start + p.range.stop) // 2 for p in made.poses]
-    picture = claim(sheet, inputs=inputs_of(made, edl_path), manifest=Manifest.beside(edl_path), force=force)
-    with picture.writing() as part:
-        save_picture(contact_sheet(made, folder, middles[:3]), part)
+    pictures = {sheet: contact_sheet(made, folder, middles[:3])}
+    if made.movements:
+        pictures[moving] = movement_sheet(made, folder, made.movements[0])
+    for file, picture in pictures.items():
+        out = claim(file, inputs=inputs_of(made, edl_path), manifest=Manifest.beside(edl_path), force=force)
+        with out.writing() as part:
+            save_picture(picture, part)
     errors = alignment_errors(truth, made)
     places = {
         "recording": recording,
@@ -65,7 +70,7 @@ def run_demo(folder: Path, *, seed: int, blender: str | None, force: bool = Fals
         "timeline": blend,
         "video": video,
         "contact_sheet": sheet,
-    }
+    } | ({"movement_sheet": moving} if moving in pictures else {})
     values = {k: str(v) for k, v in places.items()} | summary(made) | {"alignment": errors}
     return Demo(values, _text(places, made, truth, errors))
 

@@ -1,17 +1,19 @@
-"""Contact sheets: the cameras' own pictures above, the programme below, for a person to check."""
+"""Contact sheets: the cameras' own pictures above, the programme below, standing and while the lamp moves."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
 
+import attrs
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.documents import write_atomic
-from mcsl_core.edl import Edl
+from mcsl_core.edl import Edl, Movement
+from mcsl_core.edl.movement import unfollowed
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.imaging.lettering import write_text
 from mcsl_core.imaging.planes import planes_to_bgr
@@ -68,6 +70,51 @@ def contact_sheet(edl: Edl, base: Path, frames: Sequence[int], *, width: int = 1
     return sheet
 
 
+def movement_sheet(edl: Edl, base: Path, movement: Movement, *, columns: int = 5, width: int = 1600) -> Picture:
+    """A movement of the lamp: what the chosen camera sees, the programme that holds it, the programme that follows.
+
+    Parameters
+    ----------
+    edl : Edl
+        The programme.
+    base : Path
+        The folder that media paths are relative to.
+    movement : Movement
+        One of the programme's.
+    columns : int
+        How many instants of it, the first before it, the last after it.
+    width : int
+        Of the sheet, in pixels.
+
+    Returns
+    -------
+    (H, width, 3) uint8
+        BGR; a row each, with a cross over the middle of the programme's picture.
+    """
+    footage = Footage(edl.cameras, rate=edl.rate, frames=edl.frames, base=base)
+    held = attrs.evolve(edl, movements=unfollowed(edl.movements))
+    laid = [("held", Compositor(held, footage)), ("followed", Compositor(edl, footage))]
+    column = (width - GAP * (columns + 1)) // columns
+    ends = max(0, movement.range.start - 1), min(edl.frames - 1, movement.range.stop)
+    rows: list[list[Picture]] = [[], [], []]
+    for frame in np.linspace(*ends, columns).round().astype(int).tolist():
+        camera = next(d.camera for piece, d in resolve(edl) if frame in piece)
+        rows[0].append(_thumbnail(footage, camera, frame, column, chosen=False))
+        for row, (name, compositor) in zip(rows[1:], laid, strict=True):
+            planes = next(iter(compositor.frames(FrameRange(frame, frame + 1))))
+            picture = _fitted(planes_to_bgr(planes), column)
+            _cross(picture)
+            _label(picture, f"{format_time(frame / edl.rate)}  {name}", 0.4)
+            row.append(picture)
+    heights = [max(picture.shape[0] for picture in row) for row in rows]
+    sheet = np.full((sum(heights) + GAP * (len(rows) + 1), width, 3), PAPER, np.uint8)
+    for top, row in zip(np.cumsum([GAP, *(height + GAP for height in heights[:-1])]), rows, strict=True):
+        for i, picture in enumerate(row):
+            left = GAP + i * (column + GAP)
+            sheet[top : top + picture.shape[0], left : left + column] = picture
+    return sheet
+
+
 def save_picture(picture: Picture, path: Path) -> None:
     """Writes a BGR picture in the format of the path's suffix; any path, since OpenCV's own writer fails silently."""
     write_atomic(path, cv2.imencode(path.suffix, picture)[1].tobytes())
@@ -87,6 +134,11 @@ def _thumbnail(footage: Footage, camera: str, frame: int, width: int, *, chosen:
 def _fitted(picture: Picture, width: int) -> Picture:
     height = round(picture.shape[0] * width / picture.shape[1])
     return cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)  # pyright: ignore[reportReturnType]
+
+
+def _cross(picture: Picture) -> None:
+    height, width = picture.shape[:2]
+    cv2.drawMarker(picture, (width // 2, height // 2), (80, 220, 255), cv2.MARKER_CROSS, width // 12, 1)
 
 
 def _label(picture: Picture, text: str, scale: float) -> None:

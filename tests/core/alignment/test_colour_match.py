@@ -70,6 +70,17 @@ def test_gains_stay_sane():
     assert found[0, 0] <= 2.0 + 1e-6
 
 
+def test_what_shows_different_things_is_not_matched():
+    """A cap over the field: a match by their means turned skin orange."""
+    rng = np.random.default_rng(8)
+
+    def cloth() -> np.ndarray:
+        folds = cv2.GaussianBlur(rng.normal(0, 60, EVERYWHERE.shape).astype(np.float32), (0, 0), 4)
+        return np.clip(np.array((150, 110, 60)) + folds[..., None] * np.array((1.0, 0.9, 0.8)), 0, 255).astype(np.uint8)
+
+    assert match_colours(cloth(), cloth(), EVERYWHERE) is None
+
+
 def test_flat_pictures_are_matched_by_offset():
     flat, target = np.full((240, 320, 3), 100, np.uint8), np.full((240, 320, 3), 120, np.uint8)
     matched = planes_to_bgr(apply_colour(bgr_to_planes(flat), match_colours(flat, target, EVERYWHERE)))

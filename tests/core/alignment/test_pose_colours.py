@@ -99,3 +99,23 @@ def test_what_changes_while_the_lamp_moves_is_no_drift(tmp_path) -> None:
     gains = np.interp(np.arange(FRAMES), [0, 120, 125, FRAMES], [1, 1, 0.6, 0.6])[:, None] * np.ones(3)
     pose, found = followed(tmp_path, {"cam1": gains, "cam2": gains}, (Movement(FrameRange(115, FRAMES)),))
     assert attrs.evolve(found.of(pose)) == pose
+
+
+def test_a_camera_that_one_pose_cannot_match_is_matched_as_the_nearest_pose_has_it(tmp_path: Path) -> None:
+    still = np.ones((FRAMES, 3))
+    pose, _ = followed(tmp_path, {"a": still, "b": still})
+    ranges = (FrameRange(0, 60), FrameRange(60, 110), FrameRange(110, FRAMES))
+    colours = ({"b": PINK}, {}, {})
+    cameras = [Camera(n, (Media(f"{n}.mp4", FRAMES),), SIZE, RATE) for n in ("a", "b")]
+    footage = Footage(cameras, rate=RATE, frames=FRAMES, base=tmp_path)
+    samples = SampleStore.record(footage, tmp_path / "again", Silent())
+    aligned = AlignedPose(
+        SIZE, "a", dict.fromkeys("ab", np.eye(3)), dict.fromkeys("ab", SIZE), np.ones(SIZE[::-1], bool)
+    )
+    solved = [
+        SolvedPose(attrs.evolve(pose, range=piece, colour=own), aligned, tuple(samples.within(piece)), {})
+        for piece, own in zip(ranges, colours, strict=True)
+    ]
+    found = follow_drift(samples, solved, footage, (), Silent())
+    samples.close()
+    assert [own.colour for own in found] == [{"b": PINK}] * 3
