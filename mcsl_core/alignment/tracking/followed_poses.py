@@ -46,6 +46,7 @@ from .templates import Ground
 _INTO_S = 1.5  # of the pose that is followed into: hands come and go, the lamp stands
 _LEAST = 4  # instants of it at which the lamp is found
 _STANDS = 2.0 / 960  # of the width, median: so near to each other they have it
+_CONTRADICTS = 6.0 / 960  # of the width: a pose that is rightly tied is not so far from where the lamp shows it
 _REACH = 4  # pixels of the reduced programme by which a place of a camera that is held may be off
 _EXACT, _STEPS = 0.01, 30  # pixels; a surface over other pixels
 
@@ -84,23 +85,52 @@ class PosePlacer:
         placed = list(solved)
         for perspective in sorted({pose.pose.perspective for pose in solved}):
             here = [i for i, pose in enumerate(solved) if pose.pose.perspective == perspective]
-            rig = calibrated(placed, perspective, self.reference, self.footage) if len(here) > 1 else None
-            if rig is None:
-                continue
-            lamp, known = rig
-            by_pictures = set(known)
-            for i, standing in known.items():
-                if held := self._held(lamp, standing):
-                    known[i] = self._completed(standing, held)
-                    placed[i] = known[i].pose
-                    progress.note(f"frames {placed[i].pose.range}: {', '.join(held)} placed as the lamp holds them")
-            for to, by in _ways(here, known):
-                if (found := self._followed(lamp, known[by], placed[to])) is not None:
-                    known[to], placed[to] = found, found.pose
-                    progress.note(f"frames {placed[to].pose.range}: its views lie as the lamp was followed there")
-            if here[0] in known.keys() - by_pictures:
-                _base_on_first(placed, known, here)
+            if len(here) > 1 and (rig := self._rig(solved, perspective)) is not None:
+                self._place_by(*rig, placed, here, progress)
         return [_drawn_anew(now, before) for now, before in zip(placed, solved, strict=True)]
+
+    def _rig(self, solved: Sequence[SolvedPose], perspective: int) -> tuple[Lamp, dict[int, StandingPose]] | None:
+        """The lamp, and where it stands in the poses that are known; calibrated by those alone."""
+        rig = calibrated(solved, perspective, self.reference, self.footage)
+        if rig is None or not (wrong := self._contradicted(*rig, solved)):
+            return rig
+        without = list(solved)
+        for i in wrong:
+            without[i] = attrs.evolve(solved[i], pose=attrs.evolve(solved[i].pose, relief=None))
+        return calibrated(without, perspective, self.reference, self.footage) or rig
+
+    def _place_by(
+        self,
+        lamp: Lamp,
+        known: dict[int, StandingPose],
+        placed: list[SolvedPose],
+        here: Sequence[int],
+        progress: Progress,
+    ) -> None:
+        """Places what is not known of a perspective's poses, changing ``known`` and ``placed``."""
+        by_pictures = set(known)
+        for i, standing in known.items():
+            if held := self._held(lamp, standing):
+                known[i] = self._completed(standing, held)
+                placed[i] = known[i].pose
+                progress.note(f"frames {placed[i].pose.range}: {', '.join(held)} placed as the lamp holds them")
+        for to, by in _ways(here, known):
+            if (found := self._followed(lamp, known[by], placed[to])) is not None:
+                known[to], placed[to] = found, found.pose
+                progress.note(f"frames {placed[to].pose.range}: its views lie as the lamp was followed there")
+        if here[0] in known.keys() - by_pictures:
+            _base_on_first(placed, known, here)
+
+    def _contradicted(self, lamp: Lamp, known: Mapping[int, StandingPose], poses: Sequence[SolvedPose]) -> list[int]:
+        """Poses whose relief lacks cameras and has others elsewhere than the lamp, followed from a whole one, shows."""
+        whole = {i for i, standing in known.items() if standing.projections.keys() == lamp.mounts.keys()}
+        found = []
+        for i in sorted(known.keys() - whole):
+            beside = next((n for n in (i - 1, i + 1) if n in whole), None)
+            there = None if beside is None else self._followed(lamp, known[beside], poses[i])
+            if there is not None and _apart(there, known[i]) > _CONTRADICTS:
+                found.append(i)
+        return found
 
     def _followed(self, lamp: Lamp, known: StandingPose, pose: SolvedPose) -> StandingPose | None:
         """A pose as the lamp, followed from another beside it, shows it; None where it is lost."""
@@ -210,6 +240,14 @@ def _standing(pose: SolvedPose, view: LampView) -> StandingPose:
     standing = StandingPose.of(pose)
     assert standing is not None
     return attrs.evolve(standing, view=view)
+
+
+def _apart(one: StandingPose, other: StandingPose) -> float:
+    """How far two say that a camera sees the same, median of the worst camera, of its width."""
+    sizes = one.pose.aligned.camera_sizes
+    both = one.projections.keys() & other.projections.keys()
+    off = {n: project(one.projections[n], one.points) - project(other.projections[n], one.points) for n in both}
+    return max(float(np.median(np.hypot(*apart.T))) / sizes[n][0] for n, apart in off.items())
 
 
 def _ways(poses: Sequence[int], known: Mapping[int, StandingPose]) -> Iterator[tuple[int, int]]:

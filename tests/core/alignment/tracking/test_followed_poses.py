@@ -147,6 +147,22 @@ def test_a_camera_that_one_pose_hides_is_placed_as_the_lamp_holds_it(solved: Sol
     assert solved.off(placed, 1, WEAK.camera) < 3.5
 
 
+def test_a_pose_that_lacks_cameras_and_contradicts_a_whole_one_is_placed_anew(solved: Solved) -> None:
+    """A head hid the field from a camera, and what the reference showed was tied 17 px off."""
+    first, second = solved.poses
+    assert second.pose.relief is not None
+    own = {n: np.array(p) for n, p in second.pose.relief.projections.items() if n != WEAK.camera}
+    own[second.aligned.reference] = inverse(SHIFTED) @ own[second.aligned.reference]
+    relief = attrs.evolve(
+        second.pose.relief, projections={name: to_edl_projection(p / p[2, 2]) for name, p in own.items()}
+    )
+    bad = attrs.evolve(second, pose=attrs.evolve(second.pose, relief=relief))
+    placed = solved.placer.place([first, bad], Silent())
+    assert solved.off([first, bad], 1, second.aligned.reference) > 10, "or this says nothing"
+    for camera in solved.truth.cameras:
+        assert solved.off(placed, 1, camera) < 2.5
+
+
 def test_a_field_that_is_drawn_stays_where_it_was_drawn(solved: Solved) -> None:
     """Over programme pixels, whatever the anchor becomes."""
     first, second = solved.poses
