@@ -21,7 +21,6 @@ from .aligned_views import AlignedPose, Picture
 
 GAINS = (0.5, 2.0)
 OFFSETS = (-40.0, 40.0)
-IDENTITY = Colour(((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)))
 _LEAST_PIXELS = 400
 _MOST_PIXELS = 40_000
 _ROUNDS = 12
@@ -45,8 +44,8 @@ def match_colours(source_bgr: U8, target_bgr: U8, mask: U8) -> Colour | None:
     Returns
     -------
     Colour or None
-        The affine map of the source's codes to the target's: gains in 0.5..2, offsets in -40..40. With fewer than 400
-        useful pixels the identity. None where both have texture and in no colour the same: they show different things.
+        The affine map of the source's codes to the target's: gains in 0.5..2, offsets in -40..40. None with fewer
+        than 400 useful pixels, and where both have texture and in no colour the same: they show different things.
 
     Raises
     ------
@@ -66,7 +65,7 @@ def match_colours(source_bgr: U8, target_bgr: U8, mask: U8) -> Colour | None:
     clear = (np.minimum(a, b).min(axis=1) > 6) & (np.maximum(a, b).max(axis=1) < 249)  # clipped codes say nothing
     chosen = np.flatnonzero(inside & clear)
     if len(chosen) < _LEAST_PIXELS:
-        return IDENTITY
+        return None
     chosen = chosen[:: max(1, len(chosen) // _MOST_PIXELS)]
     a, b = a[chosen], b[chosen]
     fits = _fit(a, b)

@@ -158,15 +158,17 @@ def find_field(
 def field_by_voices(evidence: Evidence) -> FoundField:
     """The field that most speaks for; empty where too little does."""
     narrow, wide = (_judged(_region(evidence, seed), evidence) for seed in _SEEDS)
-    best = wide
-    if wide.agreement < _WHOLE:
-        best = _judged(_more_telling(narrow.mask, wide.mask, evidence), evidence)
+    best = max(narrow, wide, key=lambda found: found.agreement)
+    if min(narrow.agreement, wide.agreement) > 0:  # else one is nothing, or more than a field can be
+        best = wide
+        if wide.agreement < _WHOLE:
+            best = _judged(_more_telling(narrow.mask, wide.mask, evidence), evidence)
     if best.agreement >= _CLEAR:
         return best
     hue = _judged(_by_hue(evidence), evidence)
     if hue.agreement < _SURE:
         return FoundField(np.zeros_like(best.mask), hue.agreement)
-    return _judged(_more_telling(best.mask, hue.mask, evidence), evidence)
+    return _judged(_more_telling(best.mask, hue.mask, evidence), evidence) if best.agreement else hue
 
 
 def _more_telling(one: Mask, other: Mask, evidence: Evidence) -> Mask:

@@ -52,6 +52,8 @@ def with_planes_by_surface(pose: SolvedPose, relief: PoseRelief) -> SolvedPose:
     projections = {name: camera.projection for name, camera in relief.scene.cameras.items() if name in surface.cameras}
     if pose.pose.anchor != IDENTITY:
         anchor = plane_through(project(projections[reference], points), points[:, :2])
+        if anchor is None:
+            return pose
         pose = attrs.evolve(pose, pose=attrs.evolve(pose.pose, anchor=to_edl_matrix(anchor)))
     return laid_by_surface(pose, projections, points)
 
@@ -74,10 +76,10 @@ def laid_by_surface(pose: SolvedPose, projections: Mapping[str, Array], points: 
     homographies, off = dict(pose.aligned.homographies), {}
     for name, projection in projections.items():
         seen = project(projection, points)
-        if name == reference or not np.isfinite(seen).all():
-            continue
-        homographies[name] = plane_through(seen, home)
-        off[name] = float(np.sqrt(np.square(transform_points(homographies[name], seen) - home).sum(axis=1).mean()))
+        plane = None if name == reference else plane_through(seen, home)
+        if plane is not None:
+            homographies[name] = plane
+            off[name] = float(np.sqrt(np.square(transform_points(plane, seen) - home).sum(axis=1).mean()))
     made = attrs.evolve(
         pose.pose,
         homographies={name: to_edl_matrix(h) for name, h in homographies.items()},

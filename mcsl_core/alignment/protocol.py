@@ -124,7 +124,8 @@ class Aligner(Protocol):
         pairs : mapping of (str, str) to Correspondences
             Cameras (a, b) -> their matches, pooled over clear frames. The aligner is asked twice: first with
             distinctive points, of which those in the surgical field weigh 1, those outside about 0.01; then with where
-            each camera sees a grid of points all over the field, which weigh 1, those outside next to nothing.
+            each camera sees a grid of points all over the field, which weigh 1, those outside next to nothing. Where a
+            relief is found that knows nine tenths of the field, its surface lays the planes anew.
         sizes : mapping of str to (int, int)
             Every camera's full width and height.
         reference : str

@@ -59,6 +59,7 @@ def run_demo(folder: Path, *, seed: int, blender: str | None, force: bool = Fals
     pictures = {sheet: contact_sheet(made, folder, middles[:3])}
     if made.movements:
         pictures[moving] = movement_sheet(made, folder, made.movements[0])
+    moving.unlink(missing_ok=True)
     for file, picture in pictures.items():
         out = claim(file, inputs=inputs_of(made, edl_path), manifest=Manifest.beside(edl_path), force=force)
         with out.writing() as part:

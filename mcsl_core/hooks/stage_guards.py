@@ -31,6 +31,8 @@ from mcsl_core.timing import check_tiles
 
 from .guards import Guard, described, is_number, read_only
 
+_FARTHEST = 10.0  # of a view's numbers: whole turns and distances, no movement of a lamp
+
 
 class MovementGuard(Guard):
     """Of a `MovementDetector`: movements in order and within the programme, and a curve whose frames rise."""
@@ -149,6 +151,8 @@ class TrackerGuard(Guard):
         self.need(
             is_number(view.zoom), f"follow gave {described(view.zoom)} as zoom at frame {frame}, expected a number"
         )
+        told = f"follow gave a view at frame {frame} with numbers of {_FARTHEST} and more, in radians and distances"
+        self.need(bool((np.abs(view.numbers) < _FARTHEST).all()), told)
         return LampView.of(view.numbers)
 
 

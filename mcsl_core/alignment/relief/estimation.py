@@ -83,22 +83,21 @@ def estimate_relief(
     surface = estimator.estimate(together)
     if surface is None or not placed.cameras.keys() & surface.cameras:
         return None
-    height = _height(placed if before is None or known is None else before.scene)
+    height, sure = _height(placed if before is None or known is None else before.scene)
     lifted_off, hands = surface, np.zeros(surface.gamma.shape, bool)
-    if height is not None:
+    if sure:
         share = foreign_share(surface, size, together.cameras, coloured)
         nodes = _at_nodes(field, surface.gamma.shape, to_programme[views.reference], size)
         lifted_off, hands = without_resting_hands(surface, share, height, nodes)
     served = evolve(lifted_off, cameras=surface.cameras & placed.cameras.keys())
-    return PoseRelief(placed, served, foreign, hands, surface.gamma, height or 1.0)
+    return PoseRelief(placed, served, foreign, hands, surface.gamma, height)
 
 
-def _height(scene: ReliefScene) -> float | None:
-    """See `height_of_gamma`, in the middle of a scene; None where the cameras do not know which way is up."""
+def _height(scene: ReliefScene) -> tuple[float, bool]:
+    """See `height_of_gamma`, in the middle of a scene; and whether the cameras know which way is up."""
     projections = {name: camera.projection for name, camera in scene.cameras.items()}
     sizes = {name: camera.size for name, camera in scene.cameras.items()}
-    up = height_of_gamma(projections, sizes, np.array(scene.size) / 2)
-    return up if knows_up(projections, sizes) else None
+    return height_of_gamma(projections, sizes, np.array(scene.size) / 2), knows_up(projections, sizes)
 
 
 def _at_nodes(field: Mask, shape: tuple[int, ...], to_programme: Array, size: tuple[int, int]) -> Mask:

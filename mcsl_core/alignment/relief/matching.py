@@ -49,7 +49,7 @@ _AIM = 0.15  # of the width: the middle's radius, where it counts 1/e
 # other: 0.3 to 0.9 where no head hid the field from the reference all the while.
 _FEW_SEEN = 0.15
 FIELD_POINTS = 1500  # of a grid over the field, for its planes
-_AROUND_PX, AROUND_WEIGHT = 16, 1e-4  # of the grid outside the field, whose area is fifty times the field's
+_AROUND_PX, _AROUND_WEIGHT = 16, 1e-4  # of the grid outside the field, whose area is fifty times the field's
 
 
 @frozen(eq=False)
@@ -323,7 +323,7 @@ def field_pairs(cameras: ReliefCameras, field: Mask, views: Views) -> Pairs:
     at = np.argwhere((inside & mask) | (around & ~mask))
     points = transform_points(inverse(to_views), at[:, ::-1].astype(np.float64))
     scene = np.column_stack([points, gamma[at[:, 0], at[:, 1]].astype(np.float64)])
-    weight = np.where(mask[at[:, 0], at[:, 1]], 1.0, AROUND_WEIGHT)
+    weight = np.where(mask[at[:, 0], at[:, 1]], 1.0, _AROUND_WEIGHT)
     seen = np.ones(len(points), np.int64)
     pairs = {}
     for name, projection in cameras.projections.items():

@@ -8,6 +8,7 @@ import numpy as np
 from attrs import evolve, frozen
 
 from mcsl_core.edl import Relief
+from mcsl_core.imaging.geometry import Array, to_edl_projection
 from mcsl_core.imaging.masks import Mask
 
 from .foreign import ForeignColours
@@ -33,7 +34,7 @@ class PoseRelief:
     over : (rows, columns) array
         Gamma with the hands, as the cameras see it.
     height : float
-        See `height_of_gamma`; any without hands.
+        See `height_of_gamma`; its sign is a guess where the cameras do not know which way is up, and no hand is found.
     """
 
     scene: ReliefScene
@@ -50,14 +51,23 @@ class PoseRelief:
 
     def document(self) -> Relief:
         """As the EDL has it; of the cameras that the surface serves."""
-        projections = {}
-        for name, camera in self.scene.cameras.items():
-            if name in self.surface.cameras:
-                a, b, c = (tuple(float(v) for v in row) for row in camera.projection)
-                projections[name] = (a, b, c)
-        sure = np.round(100 * np.clip(self.surface.confidence, 0, 1)).astype(int)
-        return Relief(
-            projections,
-            tuple(tuple(round(float(v), 3) for v in row) for row in self.surface.gamma),
-            tuple(tuple(int(v) for v in row) for row in sure),
-        )
+        served = {n: c.projection for n, c in self.scene.cameras.items() if n in self.surface.cameras}
+        return relief_document(served, self.surface.gamma, self.surface.confidence)
+
+
+def relief_document(projections: Mapping[str, Array], gamma: Nodes, confidence: Nodes) -> Relief:
+    """A relief as the EDL has it.
+
+    Parameters
+    ----------
+    projections : mapping of str to (3, 4) array
+        Camera -> programme pixel and gamma to its pixel.
+    gamma, confidence : (rows, columns) array
+        At nodes over the programme's picture; confidence 0..1.
+    """
+    sure = np.round(100 * np.clip(confidence, 0, 1)).astype(int)
+    return Relief(
+        {name: to_edl_projection(p / p[2, 2]) for name, p in projections.items()},
+        tuple(tuple(round(float(v), 3) for v in row) for row in gamma),
+        tuple(tuple(int(v) for v in row) for row in sure),
+    )

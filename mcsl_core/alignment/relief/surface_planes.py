@@ -13,6 +13,7 @@ from .field_surface import field_gamma
 from .matching import FIELD_POINTS, WIDTH
 
 FEWEST = 20  # points of a field that lay a plane
+_CORNERS, _SINGULAR = 4, 1e-9
 _LAYS = 0.25  # confidence of the surface from which a node says where a plane lies
 
 
@@ -68,6 +69,11 @@ def field_points(nodes: Array, field: Mask, size: tuple[int, int], height: float
     return np.column_stack([pixels, gamma[at[:, 0], at[:, 1]]])
 
 
-def plane_through(seen: Array, home: Array) -> Homography:
-    """(3, 3): the homography of least squares, camera pixel -> another's, of (N, 2) points; four at least."""
-    return np.asarray(cv2.findHomography(seen, home, 0)[0], np.float64)
+def plane_through(seen: Array, home: Array) -> Homography | None:
+    """(3, 3): the homography of least squares, camera pixel -> another's, of (N, 2) points; None without one."""
+    if len(seen) < _CORNERS or not np.isfinite(seen).all():
+        return None
+    found = cv2.findHomography(seen, home, 0)[0]
+    if found is None or not np.isfinite(found).all() or abs(np.linalg.det(found)) < _SINGULAR:
+        return None
+    return np.asarray(found, np.float64)

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 from attrs import frozen
 
-from mcsl_core.edl import Movement, Pose, Relief
+from mcsl_core.edl import Movement, Pose
 from mcsl_core.imaging.geometry import (
     Array,
     Homography,
@@ -22,7 +22,6 @@ from mcsl_core.imaging.geometry import (
     project,
     scaling,
     to_edl_matrix,
-    to_edl_projection,
 )
 from mcsl_core.imaging.masks import warp_mask
 from mcsl_core.imaging.relief import between_nodes, node_pixels
@@ -35,6 +34,7 @@ from ..observations import SolvedPose
 from ..photo_consistency import Agreement, LaidView, agreement
 from ..planes_by_surface import laid_by_surface
 from ..relief.field_surface import height_of_gamma
+from ..relief.pose_relief import relief_document
 from ..relief.surface_planes import FEWEST, field_points, plane_through, sure_nodes
 from ..steady import steady_view
 from .following import follow_from
@@ -73,7 +73,11 @@ class PosePlacer:
     reference: str
 
     def place(self, solved: Sequence[SolvedPose], progress: Progress) -> list[SolvedPose]:
-        """The poses, those without a relief placed from their neighbours as far as the lamp can be followed to them.
+        """The poses, placed from their neighbours where those know more, as far as the lamp can be followed to them.
+
+        A pose is placed that has no relief, or one that lacks cameras and contradicts a whole one beside; cameras that
+        its relief lacks lie as the lamp holds them. Where that is the first of a perspective, all of it is laid anew
+        over what the reference camera shows there.
 
         Parameters
         ----------
@@ -83,10 +87,12 @@ class PosePlacer:
             Told of the poses that are placed.
         """
         placed = list(solved)
+        progress.stage("Placing poses by the lamp", len(solved), "poses")
         for perspective in sorted({pose.pose.perspective for pose in solved}):
             here = [i for i, pose in enumerate(solved) if pose.pose.perspective == perspective]
             if len(here) > 1 and (rig := self._rig(solved, perspective)) is not None:
                 self._place_by(*rig, placed, here, progress)
+            progress.advance(here[-1] + 1)
         return [_drawn_anew(now, before) for now, before in zip(placed, solved, strict=True)]
 
     def _rig(self, solved: Sequence[SolvedPose], perspective: int) -> tuple[Lamp, dict[int, StandingPose]] | None:
@@ -126,8 +132,8 @@ class PosePlacer:
         whole = {i for i, standing in known.items() if standing.projections.keys() == lamp.mounts.keys()}
         found = []
         for i in sorted(known.keys() - whole):
-            beside = next((n for n in (i - 1, i + 1) if n in whole), None)
-            there = None if beside is None else self._followed(lamp, known[beside], poses[i])
+            ways = (self._followed(lamp, known[n], poses[i]) for n in (i - 1, i + 1) if n in whole)
+            there = next((way for way in ways if way is not None), None)
             if there is not None and _apart(there, known[i]) > _CONTRADICTS:
                 found.append(i)
         return found
@@ -164,21 +170,29 @@ class PosePlacer:
         off = [np.median(np.hypot(*(project(lamp.projection(self.reference, v), points) - place).T)) for v in views]
         return median if np.median(off) < bound else None
 
-    def _standing(self, lamp: Lamp, end: End, view: LampView, known: StandingPose, pose: SolvedPose) -> StandingPose:
-        """The pose with the lamp standing so, over the relief of the one that is known."""
+    def _standing(
+        self, lamp: Lamp, end: End, view: LampView, known: StandingPose, pose: SolvedPose
+    ) -> StandingPose | None:
+        """The pose with the lamp standing so, over the known one's relief; None where its field is lost."""
         none = np.eye(3)
         projections = {name: end.bends.get(name, none) @ lamp.projection(name, view) for name in lamp.mounts}
         points, full, before = _field_points(known), lamp.sizes[self.reference], known.pose.aligned
         anchor = plane_through(project(projections[self.reference], points), points[:, :2])
+        if anchor is None:
+            return None
         there = inverse(anchor) @ np.array(known.pose.pose.anchor)
         warp = scaling(full, pose.aligned.size) @ there @ scaling(before.size, full)
-        aligned = attrs.evolve(pose.aligned, field=warp_mask(before.field, warp, pose.aligned.size), hands={})
-        made = attrs.evolve(
-            pose.pose, anchor=to_edl_matrix(anchor), relief=_document(known.gamma, known.confidence, projections)
-        )
+        field = warp_mask(before.field, warp, pose.aligned.size)
+        if not field.any():
+            return None
+        moved = inverse(anchor) @ np.array(pose.pose.anchor)  # cameras that no relief has stay where they were shown
+        homographies = {name: moved @ h for name, h in pose.aligned.homographies.items()} | {self.reference: none}
+        aligned = attrs.evolve(pose.aligned, field=field, hands={}, homographies=homographies)
+        relief = relief_document(projections, known.gamma, known.confidence)
+        made = attrs.evolve(pose.pose, anchor=to_edl_matrix(anchor), relief=relief)
         made = attrs.evolve(pose, pose=made, aligned=aligned, field_by=known.pose.field_by)
-        made = self._laid(made, projections, points)
-        return _standing(made, view)
+        standing = StandingPose.of(self._laid(made, projections, points))
+        return None if standing is None else attrs.evolve(standing, view=view)
 
     def _held(self, lamp: Lamp, standing: StandingPose) -> dict[str, Array]:
         """Camera -> its projection, of those that the pose's relief lacks and that lie better so than by their planes.
@@ -206,22 +220,30 @@ class PosePlacer:
             else:
                 flat = np.column_stack([standing.planes[name], np.zeros(3)])
                 by_plane = sum((agreement(laid(name, flat), view, _REACH) for view in known), Agreement())
-                refused = found.over_chance < by_plane.over_chance
+                refused = found.over_chance <= by_plane.over_chance
             if refused:
                 del held[name]
         return held
 
     def _completed(self, standing: StandingPose, held: Mapping[str, Array]) -> StandingPose:
         """The pose with cameras that its relief lacks."""
-        relief = _document(standing.gamma, standing.confidence, {**standing.projections, **held})
-        pose = attrs.evolve(standing.pose, pose=attrs.evolve(standing.pose.pose, relief=relief))
-        return _standing(self._laid(pose, held, _field_points(standing)), standing.view)
+        relief = relief_document({**standing.projections, **held}, standing.gamma, standing.confidence)
+        aligned = standing.pose.aligned
+        shown = aligned.hands.get(self.reference)
+        hands = aligned.hands if shown is None else {**aligned.hands, **dict.fromkeys(held, shown)}
+        pose = attrs.evolve(
+            standing.pose,
+            pose=attrs.evolve(standing.pose.pose, relief=relief),
+            aligned=attrs.evolve(aligned, hands=hands),
+        )
+        completed = StandingPose.of(self._laid(pose, held, _field_points(standing)))
+        return standing if completed is None else attrs.evolve(completed, view=standing.view)
 
     def _laid(self, pose: SolvedPose, projections: Mapping[str, Array], points: Array) -> SolvedPose:
         """The pose with these cameras laid by the surface, and no longer weak."""
         laid = laid_by_surface(pose, projections, points)
         colour = colours_of(laid.aligned, [self.samples[i].pictures for i in pose.samples])
-        weak = tuple(weak for weak in pose.pose.weak if weak.camera not in projections)
+        weak = tuple(weak for weak in pose.pose.weak if weak.camera not in laid.aligned.homographies)
         return attrs.evolve(laid, pose=attrs.evolve(laid.pose, colour=colour, weak=weak))
 
 
@@ -232,14 +254,12 @@ def _drawn_anew(now: SolvedPose, before: SolvedPose) -> SolvedPose:
     size = now.aligned.size
     reduced = scaling(now.aligned.camera_sizes[now.aligned.reference], size)
     warp = reduced @ inverse(np.array(now.pose.anchor)) @ np.array(before.pose.anchor) @ inverse(reduced)
-    return attrs.evolve(now, drawn=tuple((piece, warp_mask(mask, warp, size)) for piece, mask in now.drawn))
-
-
-def _standing(pose: SolvedPose, view: LampView) -> StandingPose:
-    """Of a pose that has a relief that says enough."""
-    standing = StandingPose.of(pose)
-    assert standing is not None
-    return attrs.evolve(standing, view=view)
+    moved = [(piece, warp_mask(mask, warp, size)) for piece, mask in now.drawn]
+    drawn = tuple((piece, mask) for piece, mask in moved if mask.any())
+    aligned = now.aligned
+    if sum(len(piece) for piece, _ in drawn) == len(now.pose.range):
+        aligned = attrs.evolve(aligned, field=np.logical_or.reduce([mask for _, mask in drawn]))
+    return attrs.evolve(now, drawn=drawn, aligned=aligned)
 
 
 def _apart(one: StandingPose, other: StandingPose) -> float:
@@ -265,29 +285,33 @@ def _base_on_first(poses: list[SolvedPose], known: Mapping[int, StandingPose], h
     first = known[here[0]]
     reference = first.pose.aligned.reference
     to_new = np.vstack([first.projections[reference], [0, 0, 0, 1]])
-    points = _field_points(first)
+    points = _laying(first)
     between = plane_through(points[:, :2], project(to_new[:3], points))
+    if between is None:
+        return
     for i in here:
-        pose = poses[i].pose
-        anchor = between @ np.array(pose.anchor)
         if i in known:
-            anchor, pose = _over(known[i], to_new)
-        poses[i] = attrs.evolve(poses[i], pose=attrs.evolve(pose, anchor=to_edl_matrix(anchor)))
+            pose = _over(known[i], to_new, between)
+        else:  # its relief, if it has one, is over the old pixels
+            anchor = between @ np.array(poses[i].pose.anchor)
+            pose = attrs.evolve(poses[i].pose, anchor=to_edl_matrix(anchor), relief=None)
+        poses[i] = attrs.evolve(poses[i], pose=pose)
 
 
-def _over(standing: StandingPose, to_new: Array) -> tuple[Homography, Pose]:
-    """The anchor, and the pose, over other pixels: (4, 4) ``to_new`` leads there from programme pixels and gamma."""
+def _over(standing: StandingPose, to_new: Array, between: Homography) -> Pose:
+    """The pose over other pixels: (4, 4) ``to_new`` leads there from programme pixels and gamma, ``between`` nearly."""
     reference = standing.pose.aligned.reference
     size = standing.pose.aligned.camera_sizes[reference]
     scene, confidence = _showing(standing, to_new, size)
     shape = standing.gamma.shape
     gamma = scene[:, 2] / depths(to_new[:3], scene)
     projections = {name: p @ inverse(to_new) for name, p in standing.projections.items()}
-    relief = _document(gamma.reshape(shape), confidence.reshape(shape), projections)
-    points = _field_points(standing)
-    seen = project(standing.projections[reference], points)
-    anchor = plane_through(seen, project(to_new[:3], points))
-    return anchor, attrs.evolve(standing.pose.pose, relief=relief)
+    relief = relief_document(projections, gamma.reshape(shape), confidence.reshape(shape))
+    points = _laying(standing)
+    anchor = plane_through(project(standing.projections[reference], points), project(to_new[:3], points))
+    if anchor is None:
+        anchor = between @ np.array(standing.pose.pose.anchor)
+    return attrs.evolve(standing.pose.pose, anchor=to_edl_matrix(anchor), relief=relief)
 
 
 def _showing(standing: StandingPose, to_new: Array, size: tuple[int, int]) -> tuple[Array, Array]:
@@ -303,6 +327,12 @@ def _showing(standing: StandingPose, to_new: Array, size: tuple[int, int]) -> tu
     return np.column_stack([at, gamma]), confidence
 
 
+def _laying(standing: StandingPose) -> Array:
+    """(N, 3): scene points that lay a pose; all that are known where the field has few."""
+    points = _field_points(standing)
+    return points if len(points) >= FEWEST else standing.points
+
+
 def _field_points(standing: StandingPose) -> Array:
     """(N, 3): scene points of the surface all over a pose's field."""
     aligned = standing.pose.aligned
@@ -313,11 +343,3 @@ def _field_points(standing: StandingPose) -> Array:
     ordered = {name: standing.projections[name] for name in names}
     height = height_of_gamma(ordered, aligned.camera_sizes, np.array(size) / 2)
     return field_points(sure_nodes(standing.gamma, standing.confidence, size), field, size, height)
-
-
-def _document(gamma: Array, confidence: Array, projections: Mapping[str, Array]) -> Relief:
-    return Relief(
-        {name: to_edl_projection(p / p[2, 2]) for name, p in projections.items()},
-        tuple(tuple(round(float(v), 3) for v in row) for row in gamma),
-        tuple(tuple(round(100 * float(v)) for v in row) for row in confidence),
-    )

@@ -99,11 +99,6 @@ class Lamp:
         found = _intrinsics(focal, self.sizes[camera]) @ self.mounts[camera] @ view.motion @ self.to_metric
         return found / found[2, 2]
 
-    def motion(self, view: LampView, since: LampView) -> Array:
-        """(4, 4): of programme pixels and gamma, that the lamp's way from ``since`` to ``view`` makes of the scene."""
-        back = np.linalg.inv(self.to_metric)
-        return back @ np.linalg.inv(since.motion) @ view.motion @ self.to_metric
-
 
 def calibrate(
     poses: Sequence[Projections], points: Array, reference: str, sizes: Mapping[str, tuple[int, int]]

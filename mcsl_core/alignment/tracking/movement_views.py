@@ -84,8 +84,7 @@ def _views(
 ) -> tuple[MovementView, ...]:
     """Empty where the lamp is lost."""
     ends = [pose.end(lamp, samples, movements, movement) for pose in beside]
-    margin = max(2, round(_MARGIN_S * float(footage.rate)))
-    first, last = max(0, movement.range.start - margin), min(footage.frames - 1, movement.range.stop - 1 + margin)
+    first, last = _about(movement, movements, footage)
     instants = instants_between(footage, first, last)
     found = tracker.follow(lamp, ends[0], ends[1], instants)
     frames = [instant.frame for instant in instants]
@@ -107,6 +106,16 @@ def _views(
         )
         for i in kept
     )
+
+
+def _about(movement: Movement, movements: Sequence[Movement], footage: Footage) -> tuple[int, int]:
+    """First and last frame of a movement with its margins, which reach half-way to the movements beside at most."""
+    margin, at = max(2, round(_MARGIN_S * float(footage.rate))), movements.index(movement)
+    low = (movements[at - 1].range.stop + movement.range.start) // 2 if at else 0
+    high = footage.frames - 1
+    if at + 1 < len(movements):
+        high = (movement.range.stop + movements[at + 1].range.start) // 2 - 1
+    return max(low, movement.range.start - margin), min(high, movement.range.stop - 1 + margin)
 
 
 Places = tuple[dict[str, Array], dict[str, Homography]]  # camera -> projection, and -> programme pixel to its by plane

@@ -27,6 +27,7 @@ _RATE = 12.0  # instants a second: the lamp's speed changes by 500 px/s^2 of 960
 _MOST = 400  # instants of a movement
 _SAMPLES = 12  # of a pose, the nearest to the movement, that its background is made from
 _KNOWN = 0.1  # confidence of nodes that cameras are calibrated by
+_LEAST_POINTS = 8
 _COLUMNS, _ROWS = 12, 8  # of points over the programme's picture
 
 
@@ -60,7 +61,7 @@ class StandingPose:
 
     @classmethod
     def of(cls, pose: SolvedPose) -> StandingPose | None:
-        """None where the pose has no relief, or one that says too little."""
+        """None where the pose has no relief, or one that says too little, or nothing of the reference camera."""
         relief = pose.pose.relief
         if relief is None:
             return None
@@ -73,7 +74,7 @@ class StandingPose:
         anchor = np.array(pose.pose.anchor)
         planes = {name: inverse(anchor @ np.array(h)) for name, h in pose.pose.homographies.items()}
         projections = {name: np.array(p) for name, p in relief.projections.items() if name in planes}
-        if len(points) < 8 or len(projections) < 2:
+        if len(points) < _LEAST_POINTS or len(projections) < 2 or pose.aligned.reference not in projections:
             return None
         return cls(pose, gamma, confidence, projections, planes, points, AT_REST)
 

@@ -197,6 +197,12 @@ BAD = [
     ("tracker", "follow", [None, attrs.evolve(AT_REST, turn=np.eye(3))], "as turn at frame 12, expected 3 finite"),
     ("tracker", "follow", [attrs.evolve(AT_REST, shift=np.full(3, NAN)), None], "as shift at frame 10, expected 3"),
     ("tracker", "follow", [None, attrs.evolve(AT_REST, shift=[0, 0, 0])], r"gave \[0, 0, 0\] as shift at frame 12"),
+    (
+        "tracker",
+        "follow",
+        [None, attrs.evolve(AT_REST, zoom=1000.0)],
+        "gave a view at frame 12 with numbers of 10.0 and",
+    ),
     ("tracker", "follow", [None, attrs.evolve(AT_REST, zoom=NAN)], "gave nan as zoom at frame 12, expected a number"),
     ("occlusion", "scorer", 3, "gave 3, which has no score"),
     ("occlusion", "score", [0.5, 0.5], "expected Mapping"),
