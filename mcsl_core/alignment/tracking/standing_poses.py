@@ -116,17 +116,19 @@ def calibrated(
     Returns
     -------
     (Lamp, dict of int to StandingPose) or None
-        By the poses' positions in ``solved``, of those that have a relief; None where no rigid rig explains them.
+        By the poses' positions in ``solved``, of those that have a relief; without those that see least where no rigid
+        rig explains all of them. None where it explains none.
     """
     of_perspective = {i: pose for i, pose in enumerate(solved) if pose.pose.perspective == perspective}
     found = {i: own for i, pose in of_perspective.items() if (own := StandingPose.of(pose)) is not None}
     sizes = {camera.name: camera.size for camera in footage.cameras}
-    poses = list(found.values())
-    rig = calibrate([pose.projections for pose in poses], poses[0].points, reference, sizes) if poses else None
-    if rig is None:
-        return None
-    lamp, views = rig
-    return lamp, {i: attrs.evolve(p, view=v) for (i, p), v in zip(found.items(), views, strict=True)}
+    while found:
+        poses = list(found.values())
+        rig = calibrate([pose.projections for pose in poses], poses[0].points, reference, sizes)
+        if rig is not None:
+            return rig[0], {i: attrs.evolve(p, view=v) for (i, p), v in zip(found.items(), rig[1], strict=True)}
+        del found[min(found, key=lambda i: (len(found[i].projections), found[i].confidence.mean()))]
+    return None
 
 
 def instants_between(footage: Footage, first: int, last: int) -> list[Instant]:

@@ -163,6 +163,24 @@ def test_a_pose_that_lacks_cameras_and_contradicts_a_whole_one_is_placed_anew(so
         assert solved.off(placed, 1, camera) < 2.5
 
 
+def test_a_relief_that_no_rigid_rig_explains_spoils_no_other_and_its_pose_is_placed_anew(solved: Solved) -> None:
+    """Of three cameras, two of which saw a head: with it no rig was found, and nothing placed or followed."""
+    first, second = solved.poses
+    assert second.pose.relief is not None
+    own = {n: np.array(second.pose.relief.projections[n]) for n in ("cam1", "cam2", "cam4")}
+    rng = np.random.default_rng(6)
+    for name in ("cam2", "cam4"):
+        own[name] = own[name] * rng.uniform(0.7, 1.4, (3, 4))
+    relief = attrs.evolve(
+        second.pose.relief, projections={name: to_edl_projection(p / p[2, 2]) for name, p in own.items()}
+    )
+    bad = attrs.evolve(second, pose=attrs.evolve(second.pose, relief=relief))
+    placed = solved.placer.place([first, bad], Silent())
+    assert placed[1] is not bad
+    for camera in solved.truth.cameras:
+        assert solved.off(placed, 1, camera) < 2.5
+
+
 def test_a_field_that_is_drawn_stays_where_it_was_drawn(solved: Solved) -> None:
     """Over programme pixels, whatever the anchor becomes."""
     first, second = solved.poses
