@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from mcsl_core.edl import Pose
 from mcsl_core.edl.field import HAND, PICTURES
 from mcsl_core.imaging.geometry import Array, scaling
-from mcsl_core.imaging.masks import Mask, central_ellipse
+from mcsl_core.imaging.masks import Mask, central_ellipse, warp_mask
 from mcsl_core.recording.sample_store import Sample
 from mcsl_core.timing import FrameRange
 
@@ -118,6 +118,12 @@ class SolvedPose:
     def seeing(self, cameras: ReliefCameras, views: Views) -> SolvedPose:
         """The pose, with how its cameras see the relief, and what they show."""
         return evolve(self, scene=SeenScene(cameras, views), rig=Rig.of(cameras))
+
+    def field_in_programme(self) -> Mask:
+        """(H, W), of the aligned size: the surgical field in the programme's picture, by the pose's anchor."""
+        size, full = self.aligned.size, self.aligned.camera_sizes[self.aligned.reference]
+        warp = scaling(full, size) @ np.array(self.pose.anchor) @ scaling(size, full)
+        return warp_mask(self.aligned.field, warp, size)
 
     def fields(self) -> list[tuple[FrameRange, Mask, str]]:
         """Where the field lies when: ranges that tile the pose's, with what each rests on."""

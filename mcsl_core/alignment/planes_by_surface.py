@@ -8,18 +8,17 @@ import attrs
 import numpy as np
 
 from mcsl_core.edl.checks import IDENTITY
-from mcsl_core.imaging.geometry import Array, inverse, project, scaling, to_edl_matrix, transform_points
-from mcsl_core.imaging.masks import warp_mask
+from mcsl_core.imaging.geometry import Array, inverse, project, to_edl_matrix, transform_points
 from mcsl_core.imaging.relief import between_nodes
 
 from .observations import SolvedPose
 from .relief.pose_relief import PoseRelief
-from .relief.surface_planes import FEWEST, field_points, plane_through, sure_nodes
+from .relief.surface_planes import FEWEST, SURE, field_points, plane_through, sure_nodes
 
 # The share of the field at which the surface is sure, from which it lays the planes. On a limb of whose sides nothing
 # was known (0.85) they went from 1.05 to 1.4 times the best one's error, as matches have a bend of their own; where
 # more is known from 1.2 to 1.05 in the mean, and an anchor from 7.6 to 1.0.
-_KNOWN, _SURE = 0.9, 0.25
+_KNOWN = 0.9
 
 
 def with_planes_by_surface(pose: SolvedPose, relief: PoseRelief) -> SolvedPose:
@@ -37,16 +36,15 @@ def with_planes_by_surface(pose: SolvedPose, relief: PoseRelief) -> SolvedPose:
     SolvedPose
         ``pose`` itself where the surface does not serve the reference camera or too little of it is known.
     """
-    aligned, reference, surface = pose.aligned, pose.aligned.reference, relief.surface
-    full = aligned.camera_sizes[reference]
-    nodes = sure_nodes(surface.gamma, surface.confidence, full)
+    reference, surface = pose.aligned.reference, relief.surface
     if reference not in surface.cameras:
         return pose
-    warp = scaling(full, aligned.size) @ np.array(pose.pose.anchor) @ scaling(aligned.size, full)
-    points = field_points(nodes, warp_mask(aligned.field, warp, aligned.size), full, relief.height)
+    full = pose.aligned.camera_sizes[reference]
+    nodes = sure_nodes(surface.gamma, surface.confidence, full)
+    points = field_points(nodes, pose.field_in_programme(), full, relief.height)
     if len(points) < FEWEST:
         return pose
-    sure = between_nodes(surface.confidence[..., None], full, points[:, :2])[:, 0] > _SURE
+    sure = between_nodes(surface.confidence[..., None], full, points[:, :2])[:, 0] > SURE
     if sure.mean() < _KNOWN:
         return pose
     projections = {name: camera.projection for name, camera in relief.scene.cameras.items() if name in surface.cameras}

@@ -49,7 +49,7 @@ def contact_sheet(edl: Edl, base: Path, frames: Sequence[int], *, width: int = 1
     column = (width - GAP * (len(frames) + 1)) // len(frames)
     blocks = []
     for frame in frames:
-        chosen = next(d.camera for piece, d in resolve(edl) if frame in piece)
+        chosen = _chosen(edl, frame)
         small = (column - GAP * (len(edl.cameras) - 1)) // len(edl.cameras)
         thumbnails = [_thumbnail(footage, c.name, frame, small, chosen=c.name == chosen) for c in edl.cameras]
         height = max(t.shape[0] for t in thumbnails)
@@ -57,17 +57,11 @@ def contact_sheet(edl: Edl, base: Path, frames: Sequence[int], *, width: int = 1
         for i, thumbnail in enumerate(thumbnails):
             left = i * (small + GAP)
             strip[: thumbnail.shape[0], left : left + thumbnail.shape[1]] = thumbnail
-        planes = next(iter(compositor.frames(FrameRange(frame, frame + 1))))
-        programme = _fitted(planes_to_bgr(planes), column)
+        programme = _programme(compositor, frame, column)
         _label(programme, f"{format_time(frame / edl.rate)}  {chosen}", 0.5)
         gap = np.full((GAP, column, 3), PAPER, np.uint8)
         blocks.append(np.vstack([strip, gap, programme]))
-    tallest = max(b.shape[0] for b in blocks)
-    sheet = np.full((tallest + 2 * GAP, width, 3), PAPER, np.uint8)
-    for i, block in enumerate(blocks):
-        left = GAP + i * (column + GAP)
-        sheet[GAP : GAP + block.shape[0], left : left + column] = block
-    return sheet
+    return _sheet([blocks], width)
 
 
 def movement_sheet(edl: Edl, base: Path, movement: Movement, *, columns: int = 5, width: int = 1600) -> Picture:
@@ -98,26 +92,40 @@ def movement_sheet(edl: Edl, base: Path, movement: Movement, *, columns: int = 5
     ends = max(0, movement.range.start - 1), min(edl.frames - 1, movement.range.stop)
     rows: list[list[Picture]] = [[], [], []]
     for frame in np.linspace(*ends, columns).round().astype(int).tolist():
-        camera = next(d.camera for piece, d in resolve(edl) if frame in piece)
-        rows[0].append(_thumbnail(footage, camera, frame, column, chosen=False))
+        rows[0].append(_thumbnail(footage, _chosen(edl, frame), frame, column, chosen=False))
         for row, (name, compositor) in zip(rows[1:], laid, strict=True):
-            planes = next(iter(compositor.frames(FrameRange(frame, frame + 1))))
-            picture = _fitted(planes_to_bgr(planes), column)
+            picture = _programme(compositor, frame, column)
             _cross(picture)
             _label(picture, f"{format_time(frame / edl.rate)}  {name}", 0.4)
             row.append(picture)
-    heights = [max(picture.shape[0] for picture in row) for row in rows]
-    sheet = np.full((sum(heights) + GAP * (len(rows) + 1), width, 3), PAPER, np.uint8)
-    for top, row in zip(np.cumsum([GAP, *(height + GAP for height in heights[:-1])]), rows, strict=True):
-        for i, picture in enumerate(row):
-            left = GAP + i * (column + GAP)
-            sheet[top : top + picture.shape[0], left : left + column] = picture
-    return sheet
+    return _sheet(rows, width)
 
 
 def save_picture(picture: Picture, path: Path) -> None:
     """Writes a BGR picture in the format of the path's suffix; any path, since OpenCV's own writer fails silently."""
     write_atomic(path, cv2.imencode(path.suffix, picture)[1].tobytes())
+
+
+def _sheet(rows: Sequence[Sequence[Picture]], width: int) -> Picture:
+    """Rows of pictures of one width, on paper."""
+    heights = [max(picture.shape[0] for picture in row) for row in rows]
+    sheet = np.full((sum(heights) + GAP * (len(rows) + 1), width, 3), PAPER, np.uint8)
+    top = GAP
+    for row, height in zip(rows, heights, strict=True):
+        for i, picture in enumerate(row):
+            left = GAP + i * (picture.shape[1] + GAP)
+            sheet[top : top + picture.shape[0], left : left + picture.shape[1]] = picture
+        top += height + GAP
+    return sheet
+
+
+def _chosen(edl: Edl, frame: int) -> str:
+    return next(decision.camera for piece, decision in resolve(edl) if frame in piece)
+
+
+def _programme(compositor: Compositor, frame: int, width: int) -> Picture:
+    planes = next(iter(compositor.frames(FrameRange(frame, frame + 1))))
+    return _fitted(planes_to_bgr(planes), width)
 
 
 def _thumbnail(footage: Footage, camera: str, frame: int, width: int, *, chosen: bool) -> Picture:

@@ -14,7 +14,7 @@ from .matching import FIELD_POINTS, WIDTH
 
 FEWEST = 20  # points of a field that lay a plane
 _CORNERS, _SINGULAR = 4, 1e-9
-_LAYS = 0.25  # confidence of the surface from which a node says where a plane lies
+SURE = 0.25  # confidence of the surface from which a node says where a plane lies
 
 
 def sure_nodes(gamma: Array, confidence: Array, size: tuple[int, int]) -> Array:
@@ -32,7 +32,7 @@ def sure_nodes(gamma: Array, confidence: Array, size: tuple[int, int]) -> Array:
     (N, 3) array
         Scene points: programme pixel and gamma.
     """
-    sure = confidence > _LAYS
+    sure = confidence > SURE
     return np.column_stack([node_pixels(gamma.shape, size)[sure.ravel()], gamma[sure]])
 
 

@@ -13,18 +13,15 @@ import cv2
 import numpy as np
 from attrs import frozen
 
-from mcsl_core.edl import Movement, Pose
+from mcsl_core.edl import Movement
 from mcsl_core.imaging.geometry import (
     Array,
-    Homography,
-    depths,
     inverse,
     project,
     scaling,
     to_edl_matrix,
 )
 from mcsl_core.imaging.masks import warp_mask
-from mcsl_core.imaging.relief import between_nodes, node_pixels
 from mcsl_core.progress import Progress
 from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.sample_store import SampleStore
@@ -33,10 +30,10 @@ from ..colour_match import colours_of
 from ..observations import SolvedPose
 from ..photo_consistency import Agreement, LaidView, agreement
 from ..planes_by_surface import laid_by_surface
-from ..relief.field_surface import height_of_gamma
 from ..relief.pose_relief import relief_document
-from ..relief.surface_planes import FEWEST, field_points, plane_through, sure_nodes
+from ..relief.surface_planes import FEWEST, plane_through
 from ..steady import steady_view
+from .first_picture import based_on_first
 from .following import follow_from
 from .lamp import Lamp, LampView
 from .protocol import End
@@ -48,7 +45,6 @@ _LEAST = 4  # instants of it at which the lamp is found
 _STANDS = 2.0 / 960  # of the width, median: so near to each other they have it
 _CONTRADICTS = 6.0 / 960  # of the width: a pose that is rightly tied is not so far from where the lamp shows it
 _REACH = 4  # pixels of the reduced programme by which a place of a camera that is held may be off
-_EXACT, _STEPS = 0.01, 30  # pixels; a surface over other pixels
 
 
 @frozen(eq=False)
@@ -125,7 +121,7 @@ class PosePlacer:
                 known[to], placed[to] = found, found.pose
                 progress.note(f"frames {placed[to].pose.range}: its views lie as the lamp was followed there")
         if here[0] in known.keys() - by_pictures:
-            _base_on_first(placed, known, here)
+            based_on_first(placed, known, here)
 
     def _contradicted(self, lamp: Lamp, known: Mapping[int, StandingPose], poses: Sequence[SolvedPose]) -> list[int]:
         """Poses whose relief lacks cameras and has others elsewhere than the lamp, followed from a whole one, shows."""
@@ -150,7 +146,7 @@ class PosePlacer:
         else:
             limit = self.movements[at - 1].range.stop if at else 0
             first, last = max(movement.range.start - into, limit), movement.range.stop - 1
-        if last <= first or len(_field_points(known)) < FEWEST:
+        if last <= first or len(known.field_points()) < FEWEST:
             return None
         instants = instants_between(self.footage, first, last)
         end = known.end(lamp, self.samples, self.movements, movement)
@@ -176,7 +172,7 @@ class PosePlacer:
         """The pose with the lamp standing so, over the known one's relief; None where its field is lost."""
         none = np.eye(3)
         projections = {name: end.bends.get(name, none) @ lamp.projection(name, view) for name in lamp.mounts}
-        points, full, before = _field_points(known), lamp.sizes[self.reference], known.pose.aligned
+        points, full, before = known.field_points(), lamp.sizes[self.reference], known.pose.aligned
         anchor = plane_through(project(projections[self.reference], points), points[:, :2])
         if anchor is None:
             return None
@@ -200,7 +196,7 @@ class PosePlacer:
         How their pictures agree with the others' decides; a weak camera has no plane, and may but be refuted.
         """
         lacking = sorted(lamp.mounts.keys() - standing.projections.keys())
-        if not lacking or len(_field_points(standing)) < FEWEST:
+        if not lacking or len(standing.field_points()) < FEWEST:
             return {}
         ground = Ground.of(lamp.sizes[self.reference], standing.gamma)
         shown = {n: steady_view([self.samples.picture(i, n) for i in standing.pose.samples]) for n in lamp.mounts}
@@ -236,7 +232,7 @@ class PosePlacer:
             pose=attrs.evolve(standing.pose.pose, relief=relief),
             aligned=attrs.evolve(aligned, hands=hands),
         )
-        completed = StandingPose.of(self._laid(pose, held, _field_points(standing)))
+        completed = StandingPose.of(self._laid(pose, held, standing.field_points()))
         return standing if completed is None else attrs.evolve(completed, view=standing.view)
 
     def _laid(self, pose: SolvedPose, projections: Mapping[str, Array], points: Array) -> SolvedPose:
@@ -275,71 +271,3 @@ def _ways(poses: Sequence[int], known: Mapping[int, StandingPose]) -> Iterator[t
     for to, by in (*zip(poses[1:], poses, strict=False), *zip(poses[-2::-1], poses[::-1], strict=False)):
         if to not in known and by in known:
             yield to, by
-
-
-def _base_on_first(poses: list[SolvedPose], known: Mapping[int, StandingPose], here: Sequence[int]) -> None:
-    """Lays a perspective's programme over what the reference camera shows in its first pose, changing ``poses``.
-
-    The programme's pixels were a later pose's, by an anchor that the first one's bad views made.
-    """
-    first = known[here[0]]
-    reference = first.pose.aligned.reference
-    to_new = np.vstack([first.projections[reference], [0, 0, 0, 1]])
-    points = _laying(first)
-    between = plane_through(points[:, :2], project(to_new[:3], points))
-    if between is None:
-        return
-    for i in here:
-        if i in known:
-            pose = _over(known[i], to_new, between)
-        else:  # its relief, if it has one, is over the old pixels
-            anchor = between @ np.array(poses[i].pose.anchor)
-            pose = attrs.evolve(poses[i].pose, anchor=to_edl_matrix(anchor), relief=None)
-        poses[i] = attrs.evolve(poses[i], pose=pose)
-
-
-def _over(standing: StandingPose, to_new: Array, between: Homography) -> Pose:
-    """The pose over other pixels: (4, 4) ``to_new`` leads there from programme pixels and gamma, ``between`` nearly."""
-    reference = standing.pose.aligned.reference
-    size = standing.pose.aligned.camera_sizes[reference]
-    scene, confidence = _showing(standing, to_new, size)
-    shape = standing.gamma.shape
-    gamma = scene[:, 2] / depths(to_new[:3], scene)
-    projections = {name: p @ inverse(to_new) for name, p in standing.projections.items()}
-    relief = relief_document(projections, gamma.reshape(shape), confidence.reshape(shape))
-    points = _laying(standing)
-    anchor = plane_through(project(standing.projections[reference], points), project(to_new[:3], points))
-    if anchor is None:
-        anchor = between @ np.array(standing.pose.pose.anchor)
-    return attrs.evolve(standing.pose.pose, anchor=to_edl_matrix(anchor), relief=relief)
-
-
-def _showing(standing: StandingPose, to_new: Array, size: tuple[int, int]) -> tuple[Array, Array]:
-    """(N, 3) and (N,): the scene points, and how sure they are, that nodes over the new pixels show."""
-    nodes = at = node_pixels(standing.gamma.shape, size)
-    both = np.stack([standing.gamma, standing.confidence], axis=-1)
-    for _ in range(_STEPS):
-        off = nodes - project(to_new[:3], np.column_stack([at, between_nodes(both, size, at)[:, 0]]))
-        at = at + off
-        if np.abs(off).max() < _EXACT:
-            break
-    gamma, confidence = between_nodes(both, size, at).T
-    return np.column_stack([at, gamma]), confidence
-
-
-def _laying(standing: StandingPose) -> Array:
-    """(N, 3): scene points that lay a pose; all that are known where the field has few."""
-    points = _field_points(standing)
-    return points if len(points) >= FEWEST else standing.points
-
-
-def _field_points(standing: StandingPose) -> Array:
-    """(N, 3): scene points of the surface all over a pose's field."""
-    aligned = standing.pose.aligned
-    reference, size = aligned.reference, aligned.camera_sizes[aligned.reference]
-    warp = scaling(size, aligned.size) @ np.array(standing.pose.pose.anchor) @ scaling(aligned.size, size)
-    field = warp_mask(aligned.field, warp, aligned.size)
-    names = [reference, *(name for name in standing.projections if name != reference)]
-    ordered = {name: standing.projections[name] for name in names}
-    height = height_of_gamma(ordered, aligned.camera_sizes, np.array(size) / 2)
-    return field_points(sure_nodes(standing.gamma, standing.confidence, size), field, size, height)

@@ -18,6 +18,8 @@ from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.sample_store import SampleStore
 
 from ..observations import SolvedPose
+from ..relief.field_surface import height_of_gamma
+from ..relief.surface_planes import field_points, sure_nodes
 from ..steady import steady_view
 from .lamp import AT_REST, Lamp, LampView, calibrate
 from .protocol import End, Instant
@@ -77,6 +79,16 @@ class StandingPose:
         if len(points) < _LEAST_POINTS or len(projections) < 2 or pose.aligned.reference not in projections:
             return None
         return cls(pose, gamma, confidence, projections, planes, points, AT_REST)
+
+    def field_points(self) -> Array:
+        """(N, 3): scene points of the surface all over the pose's field; see `field_points`."""
+        aligned = self.pose.aligned
+        reference, size = aligned.reference, aligned.camera_sizes[aligned.reference]
+        names = [reference, *(name for name in self.projections if name != reference)]
+        ordered = {name: self.projections[name] for name in names}
+        height = height_of_gamma(ordered, aligned.camera_sizes, np.array(size) / 2)
+        nodes = sure_nodes(self.gamma, self.confidence, size)
+        return field_points(nodes, self.pose.field_in_programme(), size, height)
 
     def end(self, lamp: Lamp, samples: SampleStore, movements: Sequence[Movement], movement: Movement) -> End:
         """The pose as an end of a movement, with its background about then."""
