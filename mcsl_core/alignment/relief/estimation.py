@@ -78,7 +78,7 @@ def estimate_relief(
         placed = _moved(own, known)
         earlier = {name + _BEFORE: camera for name, camera in before.scene.cameras.items()}
         points = np.concatenate([before.scene.points, placed.points])
-        together = ReliefScene(size, {**placed.cameras, **earlier}, points)
+        together = ReliefScene(size, {**placed.cameras, **earlier}, points, before.seen)
         coloured = {**foreign, **{name + _BEFORE: own for name, own in before.foreign.items()}}
     surface = estimator.estimate(together)
     if surface is None or not placed.cameras.keys() & surface.cameras:

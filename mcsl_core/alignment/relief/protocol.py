@@ -62,25 +62,6 @@ class ReliefCamera:
 
 
 @frozen(eq=False)
-class ReliefScene:
-    """What is known about a perspective before its relief is.
-
-    Attributes
-    ----------
-    size : (int, int)
-        The perspective's full width and height.
-    cameras : mapping of str to ReliefCamera
-        By any names, of one pose or several.
-    points : (N, 3) array
-        x, y and gamma of matched points, where there are any: they are searched about.
-    """
-
-    size: tuple[int, int]
-    cameras: Mapping[str, ReliefCamera]
-    points: Array = field(factory=_no_points)
-
-
-@frozen(eq=False)
 class ReliefSurface:
     """A relief.
 
@@ -97,6 +78,28 @@ class ReliefSurface:
     gamma: NDArray[np.float64]
     confidence: NDArray[np.float64]
     cameras: frozenset[str]
+
+
+@frozen(eq=False)
+class ReliefScene:
+    """What is known about a perspective before its relief is.
+
+    Attributes
+    ----------
+    size : (int, int)
+        The perspective's full width and height.
+    cameras : mapping of str to ReliefCamera
+        By any names, of one pose or several.
+    points : (N, 3) array
+        x, y and gamma of matched points, where there are any: they are searched about.
+    before : ReliefSurface, optional
+        What the perspective's first pose showed: a prior, which holds where these pictures say little.
+    """
+
+    size: tuple[int, int]
+    cameras: Mapping[str, ReliefCamera]
+    points: Array = field(factory=_no_points)
+    before: ReliefSurface | None = None
 
 
 class ReliefEstimator(Protocol):

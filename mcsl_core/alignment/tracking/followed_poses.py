@@ -37,6 +37,7 @@ from .first_picture import based_on_first
 from .following import follow_from
 from .lamp import Lamp, LampView
 from .protocol import End
+from .shared_surface import with_shared_surface
 from .standing_poses import StandingPose, calibrated, instants_between
 from .templates import Ground
 
@@ -120,6 +121,9 @@ class PosePlacer:
             if (found := self._followed(lamp, known[by], placed[to])) is not None:
                 known[to], placed[to] = found, found.pose
                 progress.note(f"frames {placed[to].pose.range}: its views lie as the lamp was followed there")
+        known.update(with_shared_surface(known))
+        for i in known:
+            placed[i] = known[i].pose
         if here[0] in known.keys() - by_pictures:
             based_on_first(placed, known, here)
 

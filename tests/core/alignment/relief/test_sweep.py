@@ -121,6 +121,23 @@ def test_what_is_not_steady_is_not_looked_at(over_a_hill: ReliefScene) -> None:
     assert off(found, hill()).max() < 3
 
 
+def test_what_is_hidden_now_is_as_the_first_pose_showed_it(over_a_hill: ReliefScene) -> None:
+    """A head before all cameras, over the hill; beside it these pictures decide, whatever was known."""
+    before = PlaneSweep().estimate(over_a_hill)
+    assert before is not None
+    texture = rough(1)
+    texture[100:260, 200:440] = 120
+    hidden = Relief(hill(), texture).scene(noise=2.0)
+    there = (slice(140, 220), slice(260, 380))
+    without, found = (PlaneSweep().estimate(scene) for scene in (hidden, evolve(hidden, before=before)))
+    assert found is not None
+    assert without is not None
+    assert np.abs(at_pixels(without.gamma) - hill())[there].mean() > 1.5
+    assert np.abs(at_pixels(found.gamma) - hill())[there].mean() < 0.3
+    wrong = PlaneSweep().estimate(evolve(over_a_hill, before=evolve(before, gamma=before.gamma + 6)))
+    assert np.sqrt((off(wrong, hill()) ** 2).mean()) < 0.4
+
+
 def test_a_relief_is_searched_about_what_the_matches_say() -> None:
     """It lies 60 pixels off the plane, where nothing would be looked for without them."""
     high = hill() + 60

@@ -1,0 +1,47 @@
+"""One surface for a perspective: what one of its poses does not show well, it has from the others."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+
+from ..relief.pose_relief import relief_document
+from .standing_poses import StandingPose
+
+_SURER = 0.25  # in confidence: another pose's surface that is so much surer is taken whole, by degrees before
+
+
+def with_shared_surface(poses: Mapping[int, StandingPose]) -> dict[int, StandingPose]:
+    """The poses of a perspective, each with the surest surface that any of them shows.
+
+    Parameters
+    ----------
+    poses : mapping of int to StandingPose
+        Whose projections one rigid rig explains, so that a height means the same in all.
+
+    Returns
+    -------
+    dict of int to StandingPose
+        Planes, projections and fields as they were. A place that a pose shows as well itself keeps its own height: an
+        operation changes what it works on.
+    """
+    shapes = {pose.gamma.shape for pose in poses.values()}
+    if len(poses) < 2 or len(shapes) > 1:
+        return dict(poses)
+    found = {}
+    for i, own in poses.items():
+        others = [pose for n, pose in poses.items() if n != i]
+        sure = np.stack([pose.confidence for pose in others])
+        best = sure.argmax(axis=0)[None]
+        theirs = np.take_along_axis(np.stack([pose.gamma for pose in others]), best, axis=0)[0]
+        sure = np.take_along_axis(sure, best, axis=0)[0]
+        share = np.clip((sure - own.confidence) / _SURER, 0, 1)
+        gamma = own.gamma + share * (theirs - own.gamma)
+        confidence = own.confidence + share * (sure - own.confidence)
+        relief = relief_document(own.projections, gamma, confidence)
+        pose = attrs.evolve(own.pose, pose=attrs.evolve(own.pose.pose, relief=relief))
+        standing = StandingPose.of(pose)
+        found[i] = own if standing is None else attrs.evolve(standing, view=own.view)
+    return found
