@@ -18,7 +18,7 @@ from mcsl_core.timing import FrameRange
 
 SIZE, SHAPE = (960, 540), (54, 96)
 LEFT, RIGHT = (slice(None), slice(0, 40)), (slice(None), slice(56, 96))
-NAMES = ("cam1", "cam2")
+NAMES: tuple[str, ...] = ("cam1", "cam2")
 
 
 def standing(number: int, gamma: float, left: float, right: float) -> StandingPose:
