@@ -1,7 +1,7 @@
 """Results of the analysis's stages kept beside the EDL, each under a key of all that it depends on.
 
-A changed selector then costs a moment, and a changed detector decodes nothing again. What the keys hold stands in
-`stage_keys`.
+A changed selector or detector then decodes nothing again but where its own programme is in doubt. What the keys hold
+stands in `stage_keys`.
 """
 
 from __future__ import annotations

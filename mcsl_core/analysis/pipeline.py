@@ -33,9 +33,9 @@ from mcsl_core.recording.cameras import choose_reference, open_cameras, programm
 from mcsl_core.recording.damage import DamageOf, damage_met, damage_of, with_gaps
 from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.sample_store import SampleStore
+from mcsl_core.selection.choice import Choice
 from mcsl_core.selection.close_looks import look_closer
-from mcsl_core.selection.gaps import without_gaps
-from mcsl_core.selection.merits import pose_merits, with_merits
+from mcsl_core.selection.merits import pose_merits
 from mcsl_core.selection.switch_refinement import refine_switches, with_switches_at
 from mcsl_core.sync.synchronise import synchronise
 from mcsl_core.temporary import temporary_folder
@@ -126,10 +126,11 @@ def _analysed(
         colours = cache.remember(COLOURS, keys.colours, follow_drift, samples, solved, footage, movements, progress)
         segments = Deferred(scoring_segments, samples, solved, movements, by["occlusion"])
         table = cache.remember(SCORES, keys.scores, score_views, samples, solved, segments, movements, progress)
-        table = cache.remember(CLOSER, keys.closer, look_closer, table, footage, segments, movements, progress)
         merits = cache.remember(MERITS, keys.merits, pose_merits, samples, solved, movements, progress)
-        table = without_gaps(with_merits(table, [s.pose.range for s in solved], merits), footage.cameras, frames)
-        shots = by["selector"].select(table, frames=frames, rate=rate)
+        choice = Choice(by["selector"], [s.pose.range for s in solved], merits, footage.cameras, frames, rate)
+        look = partial(look_closer, choose=choice.shots, progress=progress)
+        table = choice.told(cache.remember(CLOSER, keys.closer, look, table, footage, segments, movements))
+        shots = choice.selector.select(table, frames=frames, rate=rate)
         least_s = by["selector"].min_shot_s
         cut = CUTS, keys.cuts(shots, least_s), partial(refine_switches, min_shot_s=least_s)
         cuts = cache.remember(*cut, shots, footage, segments, movements, progress)

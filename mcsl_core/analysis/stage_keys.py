@@ -24,6 +24,7 @@ from mcsl_core.hooks.registry import Offer
 from mcsl_core.occlusion.scoring import score_views
 from mcsl_core.recording.damage import damage_of
 from mcsl_core.recording.sample_store import SampleStore
+from mcsl_core.selection.choice import Choice
 from mcsl_core.selection.close_looks import look_closer
 from mcsl_core.selection.merits import pose_merits
 from mcsl_core.selection.switch_refinement import refine_switches
@@ -78,7 +79,7 @@ def stage_keys(
     colours = key_of(code_of(follow_drift), own)
     merits = key_of(code_of(pose_merits), own)
     scores = key_of(code_of(score_views), seen, by["occlusion"])
-    closer = key_of(code_of(look_closer), scores)
+    closer = key_of(code_of(look_closer, Choice), scores, merits, by["selector"])
     return StageKeys(clocks, samples, movements, poses, placed, followed, colours, merits, scores, closer)
 
 

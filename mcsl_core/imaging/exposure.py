@@ -26,6 +26,8 @@ _COLUMNS = 80  # of the small pictures that gains are read off
 _DARK, _BRIGHT = 16, 235  # of 255: beyond, ratios say nothing
 _ALIKE = 0.06  # two ratios that are one gain, natural logarithms
 _LEAST = 0.35  # of the picture that must have one gain: hands and heads cover the rest
+# Enough where all channels have it alike, as of exposure: a head, hands and glare left 0.31 to 0.35 of a field in view.
+_LEAST_GREY = 0.2
 _KNOWN = 0.1  # of what counts that must be neither dark nor blown out
 _MOST = np.log(2.0)  # largest gain, and its inverse the least
 _TRIED, _VOTERS = 60, 500
@@ -66,8 +68,14 @@ class Exposure:
         return cls(np.median(level, axis=0).astype(np.float32), covered)
 
     def gain(self, picture: Float) -> Float | None:
-        """What a picture is to be multiplied with to look as usual; see `gain_between`."""
+        """What a picture is to be multiplied with to look as usual; see `gain_between`.
+
+        Where heads and hands cover much, a gain that is alike in all channels is believed by less of the picture.
+        """
         log = gain_between(picture, self.usual, self.inside)
+        if log is None:
+            grey = gain_between(picture, self.usual, self.inside, _LEAST_GREY)
+            log = grey if grey is not None and np.ptp(grey) < _ALIKE else None
         return None if log is None else np.exp(log).astype(np.float32)
 
 

@@ -18,6 +18,9 @@ class Selector(Protocol):
 
     Notes
     -----
+    It is asked again with more samples where it was looked closer at what it chose; see `look_closer`. Equal tables
+    must give equal shots.
+
     A selector may promise a minimum shot length by an attribute ``min_shot_s``: seconds, a float of 0 or more, known
     once `select` has been called. When the switches are moved to the very frame afterwards, no shot becomes shorter
     than that, or than the selector made it where that is less. Without the attribute the same holds for 2 seconds.

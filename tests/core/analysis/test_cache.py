@@ -41,7 +41,7 @@ def analyse(recording: Path, out: Path, *, cache: bool = True, offered=None, **s
     return seen.stages + seen.notes
 
 
-def test_a_changed_selector_looks_at_nothing_again(recording: Path, tmp_path: Path) -> None:
+def test_a_changed_selector_samples_and_scores_nothing_again(recording: Path, tmp_path: Path) -> None:
     out = tmp_path / "edl.json"
     first = analyse(recording, out)
     assert SAMPLING in first

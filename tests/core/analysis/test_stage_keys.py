@@ -83,7 +83,6 @@ def test_a_copy_has_the_same_keys(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
         ("compositing/compositor.py", None),
         ("evaluation/metrics.py", None),
         ("hooks/registry.py", None),
-        ("selection/selectors.py", None),
         ("analysis/pipeline.py", None),
         ("centering/field.py", None),
         ("__init__.py", None),
@@ -117,6 +116,14 @@ def test_how_drift_is_followed_changes_the_colours_alone(tree: Path) -> None:
     assert changed(before, keys()) == {"colours"}
 
 
+def test_another_selector_looks_closer_where_its_own_programme_is_in_doubt(tree: Path) -> None:
+    before = keys()
+    assert changed(before, keys(stages={"selector": "least-occluded"})) == {"closer"}, "cuts follow what it chose"
+    path = tree / "selection" / "selectors.py"
+    path.write_text(path.read_text() + "\nADDED = 1\n")
+    assert changed(before, keys()) == {"closer"}
+
+
 def test_words_and_layout_are_no_code(tree: Path) -> None:
     before = keys()
     for path in tree.rglob("*.py"):
@@ -135,7 +142,6 @@ def test_words_and_layout_are_no_code(tree: Path) -> None:
         ({"stages": {"movement": "paper"}}, "movements"),
         ({"solve": SolveSettings(scene_width=200)}, "poses"),
         ({"stages": {"occlusion": "hue-area"}}, "scores"),
-        ({"stages": {"selector": "least-occluded"}}, None),
         ({"shots": SHOTS[:1]}, "cuts"),
         ({"min_shot_s": 6.0}, "cuts"),
         ({"gaze": (Path("gaze.csv"),)}, None),
@@ -198,7 +204,7 @@ def test_a_plugin_is_asked_by_all_of_its_source_and_what_it_takes_from_mcsl(
     (tmp_path / "halves/beside.py").write_text("X = 2\n")
     after = keys(**ask)
     assert changed(before, after) == from_stage("scores")
-    for file in ("hooks/__init__.py", "hooks/stage_guards.py", "hooks/registry.py", "selection/selectors.py"):
+    for file in ("hooks/__init__.py", "hooks/stage_guards.py", "hooks/registry.py"):
         path = tree / file
         path.write_text(path.read_text() + "\nADDED = 1\n")
     assert keys(**ask) == after, "the names that it imports come from elsewhere"

@@ -61,6 +61,18 @@ def test_a_head_before_most_of_the_picture_is_no_exposure() -> None:
     assert exposure().gain(small(picture)) is None
 
 
+@pytest.mark.parametrize(("gain", "believed"), [(0.75, True), ((0.75, 1.0, 1.2), False), (1.0, True)])
+def test_beside_a_head_before_much_of_the_picture_exposure_is_found_but_no_colour(gain, believed: bool) -> None:
+    rng = np.random.default_rng(3)
+    picture = seen(scene(), gain)
+    picture[:, :170] = rng.integers(20, 230, (SIZE[1], 1, 3))  # hair and cap: many ratios, seven tenths of the picture
+    found = exposure().gain(small(picture))
+    if believed:
+        np.testing.assert_allclose(found, np.full(3, 1 / np.max(gain)), rtol=0.04)
+    else:
+        assert found is None
+
+
 def test_clear_cameras_read_clear_while_their_exposure_settles() -> None:
     """Each camera begins dark and settles at a time of its own; in the end a glove lies over all of one's field."""
     aligned = pose()

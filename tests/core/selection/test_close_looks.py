@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcsl_core.alignment.aligned_views import AlignedPose
-from mcsl_core.edl import Camera, Media, Movement
+from mcsl_core.edl import Camera, Media, Movement, Shot
 from mcsl_core.hooks.registry import discover
 from mcsl_core.imaging.planes import bgr_to_planes
 from mcsl_core.media.writing import VideoWriter
@@ -20,7 +20,7 @@ from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.occlusion.scoring import ScoringSegment, SegmentSamples
 from mcsl_core.progress import Silent
 from mcsl_core.recording.footage import Footage
-from mcsl_core.selection.close_looks import fast_changes, look_closer, unseen_edges
+from mcsl_core.selection.close_looks import Doubt, doubts, look_closer, unseen_edges, without_doubts
 from mcsl_core.selection.selectors import ShortestPath
 from mcsl_core.timing import FrameRange
 
@@ -59,34 +59,82 @@ def sampled(every: int = 10) -> ScoreTable:
     return ScoreTable(frames, CAMERAS, visible, np.ones(visible.shape, bool))
 
 
-def test_it_is_looked_closer_where_the_best_camera_changes_and_nowhere_else(footage: Footage) -> None:
-    found = look_closer(sampled(), footage, [segment()], [], Silent())
-    between = sorted(set(found.frames) - set(range(0, FRAMES, 10)))
-    assert between == [62, 64, 66, 68, 82, 84, 86, 88]
+def programme(table: ScoreTable) -> tuple[Shot, ...]:
+    return ShortestPath().select(table, frames=FRAMES, rate=Fraction(RATE))
+
+
+def looked(table: ScoreTable, footage: Footage, of: ScoringSegment | None = None, moving=(), choose=programme):
+    return look_closer(table, footage, [of or segment()], moving, choose, Silent())
+
+
+def between(table: ScoreTable) -> list[int]:
+    return sorted(set(table.frames.tolist()) - set(range(0, FRAMES, 10)))
+
+
+def test_it_is_looked_closer_where_the_camera_on_air_is_covered_and_nowhere_else(footage: Footage) -> None:
+    found = looked(sampled(), footage)
+    assert between(found) == [62, 64, 66, 68, 82, 84, 86, 88, 119]  # and at the end, where no sample lies
     for frame, seen in zip(found.frames, found.visible, strict=True):
         assert seen == pytest.approx([bright(camera, int(frame)) / 255 for camera in CAMERAS], abs=0.02)
     assert found.usable.all()
-    shots = ShortestPath().select(found, frames=FRAMES, rate=Fraction(RATE))
+    shots = programme(found)
     assert [s.camera for s in shots] == ["cam1", "cam2", "cam1"]
     assert [abs(s.range.start - edge) <= 1 for s, edge in zip(shots[1:], (DARK.start, DARK.stop), strict=True)]
+
+
+def test_a_camera_that_samples_show_free_is_looked_at_where_another_changes(footage: Footage) -> None:
+    table = sampled(30)  # cam1 is dark from 63 to 86, and they do not say so
+    assert {shot.camera for shot in programme(table)} == {"cam1"}
+    assert between(looked(table, footage)) == [119]  # nobody comes or goes
+    table.visible[table.frames > 60, 1] = 0.1  # somebody goes before cam2
+    assert between(looked(table, footage)) == [*(n for n in range(62, 90, 2) if n % 10), 119]
+
+
+def test_of_a_camera_on_air_that_stays_free_no_row_is_kept(footage: Footage) -> None:
+    table = sampled()
+    table.visible[:, 0] = np.where(table.visible[:, 0] > 0.5, 0.6, 0.1)  # somebody goes before cam1, which is no better
+    table.frames[-1] = FRAMES - 1
+    assert looked(table, footage, choose=lambda _: [Shot(FrameRange(0, FRAMES), "cam2")]) is table
+
+
+def test_it_is_looked_again_where_the_programme_chosen_anew_is_in_doubt() -> None:
+    """Three cameras that see as much by their samples; two of them are covered between these, one after another."""
+    frames, cameras = np.arange(0, 120, 10), ("a", "b", "c", "d")
+    visible = np.full((12, 4), 0.9)
+    visible[:, 1:3] = 0.85, 0.8
+    visible[6:, 3] = 0.1  # who goes before d between frames 50 and 60 may have gone before others
+    truth = {"a": range(52, 58), "b": range(51, 59)}
+    asked: list[tuple[str, ...]] = []
+
+    def look(names, stretches):
+        at = [n for stretch in stretches for n in range(stretch.start, stretch.stop, 2)]
+        asked.extend([tuple(names)] * bool(at))
+        every = dict(zip(cameras, (0.9, 0.85, 0.8, 0.1), strict=True))
+        shown = {n: np.array([0.0 if n in truth.get(name, ()) else every[name] for name in names]) for n in at}
+        return {n: (seen, np.ones(len(names), bool)) for n, seen in shown.items()}
+
+    table = ScoreTable(frames, cameras, visible, np.ones(visible.shape, bool))
+    assert {s.camera for s in programme(table)} == {"a"}
+    found = without_doubts(table, programme, look, 2, 0.2)
+    assert asked == [("a",), cameras, ("c",)]  # what a alone shows calls for all, and so c is chosen, and looked at
+    assert [s.camera for s in programme(found) if 55 in s.range] == ["c"]
 
 
 def test_what_a_keyframe_stood_for_is_replaced_by_the_frame_itself(footage: Footage) -> None:
     table = sampled()
     table.visible[6, 0] = 0.1  # of a keyframe half a second later
-    assert look_closer(table, footage, [segment()], [], Silent()).visible[[6, 10]][0, 0] == pytest.approx(0.9, abs=0.02)
+    assert looked(table, footage).visible[[6, 10]][0, 0] == pytest.approx(0.9, abs=0.02)
 
 
 def test_nothing_is_looked_at_in_a_movement_or_outside_of_every_segment(footage: Footage) -> None:
     moving = [Movement(FrameRange(61, 66), 1.0)]
-    found = look_closer(sampled(), footage, [segment(0, 85)], moving, Silent())
-    assert sorted(set(found.frames) - set(range(0, FRAMES, 10))) == [66, 67, 82, 84]
+    assert between(looked(sampled(), footage, segment(0, 85), moving)) == [66, 67, 82, 84]
 
 
 def test_right_before_and_after_a_movement_is_looked_though_no_sample_lies_there(footage: Footage) -> None:
     table, moving = sampled(20), [Movement(FrameRange(70, 85), 1.0)]  # cam1 is dark from 63 to 86
     table.visible[4] = np.nan  # of frame 80
-    found = look_closer(table, footage, [segment()], moving, Silent())
+    found = looked(table, footage, moving=moving)
     near = {int(n): found.visible[i].round(1).tolist() for i, n in enumerate(found.frames) if 60 <= n < 90}
     assert {68: [0.1, 0.5], 86: [0.1, 0.5]}.items() <= near.items()
     assert {62, 64, 66} <= near.keys()  # where cam2 became the better one before the lamp moved
@@ -98,11 +146,11 @@ def test_right_before_and_after_a_movement_is_looked_though_no_sample_lies_there
 @pytest.mark.parametrize(
     ("movements", "expected"),
     [
-        ([], []),
-        ([(61, 66)], [67]),  # 59 lies by the sample of 60, 67 by none
-        ([(63, 68)], []),  # both lie by samples
-        ([(1, 5), (112, 119)], [6]),  # -1 and 120 are outside; 110 is a sample
-        ([(43, 44), (45, 53)], [54]),  # what lies in another movement is no place to look
+        ([], [119]),
+        ([(61, 66)], [67, 119]),  # 59 lies by the sample of 60, 67 by none
+        ([(63, 68)], [119]),  # both lie by samples
+        ([(1, 5), (112, 119)], [6, 119]),  # -1 and 120 are outside; 110 is a sample
+        ([(43, 44), (45, 53)], [54, 119]),  # what lies in another movement is no place to look
     ],
 )
 def test_edges_of_movements_where_nothing_is_known(movements, expected) -> None:
@@ -110,34 +158,61 @@ def test_edges_of_movements_where_nothing_is_known(movements, expected) -> None:
     assert found == expected
 
 
-def test_where_nothing_changes_fast_nothing_is_looked_at(footage: Footage) -> None:
+def test_where_nobody_comes_or_goes_nothing_is_looked_at(footage: Footage) -> None:
     table = sampled()
     table.visible[:, 0] = 0.9
     table.visible[5:7, 1] = np.nan
-    assert look_closer(table, footage, [segment()], [], Silent()) is table
+    table.frames[-1] = FRAMES - 1
+    assert looked(table, footage) is table
 
 
-def test_samples_that_are_close_already_are_close_enough() -> None:
-    assert fast_changes(sampled(2), 2, 0.2) == []
-    assert fast_changes(sampled(10), 2, 0.2) == [FrameRange(60, 71), FrameRange(80, 91)]
-    assert fast_changes(sampled(10), 2, 0.9) == []
+def doubtful(table: ScoreTable, change: float = 0.2) -> list[Doubt]:
+    return doubts(table, [Shot(FrameRange(0, 75), "cam1"), Shot(FrameRange(75, FRAMES), "cam2")], 2, change)
+
+
+def test_a_programme_is_in_doubt_between_samples_in_which_somebody_came() -> None:
+    assert doubtful(sampled(2)) == []
+    before, after = Doubt(FrameRange(60, 71), ("cam1",), True), Doubt(FrameRange(80, 91), ("cam2",), True)
+    assert doubtful(sampled(10)) == [before, Doubt(FrameRange(70, 81), ("cam1", "cam2"), True), after]
+    assert doubtful(sampled(10), 0.9) == []
+    table = sampled(10)
+    table.visible[:, 1] = np.where(table.frames == 70, 0.3, 0.9)  # covered while cam1 is on air
+    table.visible[:, 0] = 0.9
+    beside = [Doubt(FrameRange(60, 71), ("cam1",), False), Doubt(FrameRange(70, 81), ("cam1", "cam2"), True)]
+    assert doubtful(table) == beside
+
+
+def test_a_programme_is_in_doubt_where_somebody_came_just_before_and_just_after() -> None:
+    table = sampled(10)
+    table.visible[:, 1] = np.where((table.frames < 40) | (table.frames > 50), 0.9, 0.1)
+    table.visible[:, 0] = 0.9
+    assert [d.stretch.start for d in doubtful(table)] == [30, 40, 50]
+    table.visible[6, 1] = 0.1  # one longer: who stays is no crowd
+    assert [d.stretch.start for d in doubtful(table)] == [30, 60]
 
 
 def test_a_camera_that_may_not_be_used_is_no_reason_to_look() -> None:
     table = sampled()
     table.usable[:, 0] = False
-    assert fast_changes(table, 2, 0.2) == []
+    assert doubtful(table) == []
 
 
 @given(st.integers(0, 2**32), st.integers(1, 12), st.floats(0, 1))
-def test_stretches_rise_apart_and_begin_and_end_at_samples(seed: int, step: int, change: float) -> None:
+def test_doubts_rise_from_sample_to_sample_and_looking_ends(seed: int, step: int, change: float) -> None:
     rng = np.random.default_rng(seed)
-    frames = np.cumsum(rng.integers(1, 30, 40))
-    visible = rng.random((40, 3))
+    frames = np.cumsum(rng.integers(1, 30, 12))
+    visible = rng.random((12, 2))
     visible[rng.random(visible.shape) < 0.2] = np.nan
-    table = ScoreTable(frames, ("a", "b", "c"), visible, rng.random(visible.shape) < 0.8)
-    last = -1
-    for stretch in fast_changes(table, step, change):
-        assert stretch.start > last
-        assert {stretch.start, stretch.stop - 1} <= set(frames.tolist())
-        last = stretch.stop - 1
+    table = ScoreTable(frames, CAMERAS, visible, rng.random(visible.shape) < 0.8)
+    shots = [Shot(FrameRange(0, 50), "cam1"), Shot(FrameRange(50, int(frames[-1]) + 9), "cam2")]
+    found = doubts(table, shots, step, change)
+    assert [d.stretch for d in found] == sorted(d.stretch for d in found)
+    pairs = set(zip(frames.tolist(), frames[1:].tolist(), strict=False))
+    assert {(d.stretch.start, d.stretch.stop - 1) for d in found} <= pairs
+
+    def look(names, stretches):
+        at = [n for stretch in stretches for n in range(stretch.start, stretch.stop, step)]
+        return {n: (rng.random(len(names)), np.ones(len(names), bool)) for n in at}
+
+    closer = without_doubts(table, lambda _: shots, look, step, change)
+    assert set(frames.tolist()) <= set(closer.frames.tolist())
