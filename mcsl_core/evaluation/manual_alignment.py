@@ -361,7 +361,8 @@ def aligned_by_hand(edl: Edl, by_hand: ByHand) -> Edl:
     poses = []
     for index, pose in enumerate(edl.poses):
         try:
-            poses.append(_aligned_pose(edl, pose, by_hand.get(index, {})))
+            with np.errstate(divide="ignore", invalid="ignore"):  # a corner at infinity: the document refuses it, below
+                poses.append(_aligned_pose(edl, pose, by_hand.get(index, {})))
         except (Fault, np.linalg.LinAlgError) as fault:  # each is an alignment, but not with the reference's
             raise InputError(
                 f"the cameras' alignments by hand do not go together ({fault})",
