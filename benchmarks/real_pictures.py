@@ -1,4 +1,6 @@
-"""Alignment on pictures that nobody here made, whose geometry is known: how far from the best single plane.
+"""Alignment and choice on pictures that nobody here made, whose geometry is known.
+
+How far from the best single plane, and how much of the field the programme shows.
 
     python -m benchmarks.real_pictures [DATA]       prints what results/real_pictures.md has
 
@@ -45,6 +47,15 @@ def over_best_plane(made: edl.Edl, truth: Path) -> dict[str, float]:
     return ratios
 
 
+def chosen(made: edl.Edl, truth: Path) -> tuple[float, float]:
+    """What the programme shows of the field, and the best camera that never changes, over each frame's best camera."""
+    seen = np.array(json.loads(truth.read_text("utf-8"))["visible"])[: made.frames]  # (frames, cameras)
+    names = [camera.name for camera in made.cameras]
+    shown = sum(seen[s.range.start : s.range.stop, names.index(s.camera)].sum() for s in made.shots)
+    best = seen.max(axis=1).sum()
+    return float(shown / best), float(seen.sum(axis=0).max() / best)
+
+
 def analysed(folder: Path) -> edl.Edl:
     """The recording's EDL, by the defaults."""
     with tempfile.TemporaryDirectory() as out:
@@ -66,6 +77,9 @@ def main() -> None:
         cameras = [camera.name for camera in made.cameras if camera.name != made.reference]
         row = ["suturing", *("weak" if name in weak else f"{ratios[name]:.2f}" for name in cameras)]
         print(table(["times the best plane's error", *cameras], [row]))
+        programme, fixed = chosen(made, data / "suturing_truth" / "truth.json")
+        heads = ["field, over the best camera's of each frame", "programme", "best fixed camera", "switches"]
+        print("\n" + table(heads, [["suturing", f"{programme:.1%}", f"{fixed:.1%}", len(made.shots) - 1]]))
     else:
         print(f"suturing: not in {data}")
     for name in UNTIED:
