@@ -28,8 +28,11 @@ _ENOUGH = 3  # samples with the reference camera's picture from which a pose is 
 
 
 def pose_ranges(movements: Sequence[Movement], frames: int) -> list[FrameRange]:
-    """The frames between the middles of the movements; they tile [0, frames)."""
-    middles = [m.middle for m in movements]
+    """The frames between the middles of the movements; they tile [0, frames).
+
+    A movement in which the recording begins or ends has no pose on its other side: nothing there stands still.
+    """
+    middles = [m.middle for m in movements if m.range.start > 0 and m.range.stop < frames]
     cuts = [0, *(m for m in middles if 0 < m < frames), frames]
     return [FrameRange(a, b) for a, b in zip(cuts, cuts[1:], strict=False)]
 

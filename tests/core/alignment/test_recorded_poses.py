@@ -32,8 +32,17 @@ def test_ranges_reach_to_the_middles_of_movements_and_tile_the_recording() -> No
     assert pose_ranges([], 100) == [FrameRange(0, 100)]
 
 
+def test_a_movement_in_which_the_recording_begins_or_ends_parts_no_poses() -> None:
+    movements = [
+        Movement(FrameRange(0, 10), 0.2),
+        Movement(FrameRange(40, 60), 1.0),
+        Movement(FrameRange(90, 100), 1.0),
+    ]
+    assert pose_ranges(movements, 100) == [FrameRange(0, 50), FrameRange(50, 100)]
+
+
 def test_a_pose_is_solved_from_samples_in_which_the_lamp_stands_unless_it_never_does() -> None:
-    found = poses(*["123"] * 10, movements=(Movement(FrameRange(35, 65)), Movement(FrameRange(66, 100))))
+    found = poses(*["123"] * 10, movements=(Movement(FrameRange(35, 65)), Movement(FrameRange(66, 99))))
     assert found.standing == [[0, 1, 2, 3], [5, 6, 7, 8], [9]]
     assert len(found) == 3
 
