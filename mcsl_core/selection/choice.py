@@ -12,7 +12,7 @@ from mcsl_core.edl import Camera, Shot
 from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.timing import FrameRange
 
-from .gaps import without_gaps
+from .gaps import with_late_starts, without_gaps
 from .merits import with_merits
 from .protocol import Selector
 
@@ -45,8 +45,9 @@ class Choice:
     rate: Fraction
 
     def told(self, table: ScoreTable) -> ScoreTable:
-        """The table with the merits, and without gaps."""
-        return without_gaps(with_merits(table, self.poses, self.merits), self.cameras, self.frames)
+        """The table with the merits, with cameras that begin a moment late, and without gaps."""
+        table = with_late_starts(with_merits(table, self.poses, self.merits), self.cameras, self.rate)
+        return without_gaps(table, self.cameras, self.frames)
 
     def shots(self, table: ScoreTable) -> Sequence[Shot]:
         """What the selector chooses by a table of scores alone."""
