@@ -29,6 +29,7 @@ from .field import field_by_vote, field_in_camera, shared_aim
 from .field_voices import find_field
 from .observations import Observations, Samples, SolvedPose, match_cameras, observe, spread, weight_matches
 from .photo_consistency import Agreement, LaidView, refuted
+from .plausibility import plausible
 from .protocol import Aligner, Alignment, Matcher
 from .relief.cameras import ReliefCameras
 from .relief.matching import Views, field_pairs, relief_cameras
@@ -166,7 +167,7 @@ class PoseSolver:
             (a, b): weight_matches(matches, sizes[a], sizes[b], fields[a], fields[b], self.settings)
             for (a, b), matches in found.items()
         }
-        return self.aligner.align(pairs, sizes, self.reference), pairs
+        return plausible(self.aligner.align(pairs, sizes, self.reference), sizes, self.reference), pairs
 
     def _field(
         self, alignment: Alignment, positions: Sequence[int], samples: Samples, before: Mask | None = None
@@ -192,7 +193,7 @@ class PoseSolver:
             if not known >= set(pair) and first.homographies.keys() >= set(pair)
         }
         sizes = {name: self.sizes[name] for name in self.sizes if name in first.homographies or name in known}
-        final = self.aligner.align({**dense, **rest}, sizes, self.reference)
+        final = plausible(self.aligner.align({**dense, **rest}, sizes, self.reference), sizes, self.reference)
         if final.weak:
             return first
         return attrs.evolve(final, weak=tuple(w for w in first.weak if w.camera not in known))
