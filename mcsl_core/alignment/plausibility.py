@@ -40,11 +40,7 @@ def plausible(alignment: Alignment, sizes: Mapping[str, tuple[int, int]], refere
         reference's. All cameras look at one place from about one distance: few matches, of a head that hides
         the field, say such things.
     """
-    wrong = {
-        name
-        for name, homography in alignment.homographies.items()
-        if name != reference and not _lies(homography, sizes[name], sizes[reference])
-    }
+    wrong = implausible(alignment.homographies, sizes, reference)
     if not wrong:
         return alignment
     reason = "where its matches lay it, its picture would be mirrored, squeezed or shrunk as no view of a lamp is"
@@ -55,6 +51,17 @@ def plausible(alignment: Alignment, sizes: Mapping[str, tuple[int, int]], refere
         support={name: v for name, v in alignment.support.items() if name not in wrong},
         weak=(*alignment.weak, *(Weak(name, reason) for name in sorted(wrong))),
     )
+
+
+def implausible(
+    homographies: Mapping[str, Homography], sizes: Mapping[str, tuple[int, int]], reference: str
+) -> set[str]:
+    """The cameras that no lamp holds so; see `plausible`."""
+    return {
+        name
+        for name, homography in homographies.items()
+        if name != reference and not _lies(homography, sizes[name], sizes[reference])
+    }
 
 
 def _lies(homography: Homography, size: tuple[int, int], reference: tuple[int, int]) -> bool:

@@ -19,6 +19,7 @@ from mcsl_core.timing import FrameRange
 from .anchoring import anchor
 from .observations import SolvedPose
 from .planes_by_surface import with_planes_by_surface
+from .plausibility import implausible
 from .pose_solver import PoseSolver
 from .recorded_poses import RecordedPoses
 from .relief.estimation import estimate_relief
@@ -96,7 +97,10 @@ class _Recording:
         relief = estimate_relief(solver.estimator, seen.cameras, seen.views, planes, before, tied.aligned.field)
         if relief is None:
             return tied
-        tied = with_planes_by_surface(tied, relief)
+        by_surface = with_planes_by_surface(tied, relief)
+        if implausible(by_surface.aligned.homographies, solver.sizes, solver.reference):
+            return tied  # a surface that says so is of something else: heads were matched
+        tied = by_surface
         aligned = attrs.evolve(tied.aligned, hands=hand_masks(relief, tied.aligned))
         tied = attrs.evolve(tied, aligned=aligned)
         return attrs.evolve(tied, pose=attrs.evolve(tied.pose, relief=relief.document()), relief=relief)
