@@ -127,10 +127,11 @@ def _analysed(
         segments = Deferred(scoring_segments, samples, solved, movements, by["occlusion"])
         table = cache.remember(SCORES, keys.scores, score_views, samples, solved, segments, movements, progress)
         merits = cache.remember(MERITS, keys.merits, pose_merits, samples, solved, movements, progress)
-        choice = Choice(by["selector"], [s.pose.range for s in solved], merits, footage.cameras, frames, rate)
+        ranges, spans = [s.pose.range for s in solved], {c.name: footage.span_s(c.name) for c in footage.cameras}
+        choice = Choice(by["selector"], ranges, merits, footage.cameras, spans, frames, rate)
         look = partial(look_closer, choose=choice.shots, progress=progress)
-        table = choice.told(cache.remember(CLOSER, keys.closer, look, table, footage, segments, movements))
-        shots = choice.selector.select(table, frames=frames, rate=rate)
+        table = cache.remember(CLOSER, keys.closer, look, table, footage, segments, movements)
+        shots, table = choice.shots(table), choice.with_merits(table)
         least_s = by["selector"].min_shot_s
         cut = CUTS, keys.cuts(shots, least_s), partial(refine_switches, min_shot_s=least_s)
         cuts = cache.remember(*cut, shots, footage, segments, movements, progress)

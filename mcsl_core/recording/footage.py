@@ -114,6 +114,11 @@ class Footage:
             self._parts[camera] = joined([probe(self.base / one.path) for one in media])
         return self._parts[camera]
 
+    def span_s(self, camera: str) -> tuple[float, float]:
+        """Programme seconds at which a camera has its first picture, and at which its last one is over."""
+        clock, parts = self.camera(camera).clock, self.parts(camera)
+        return clock.programme_time(parts[0].first_s), clock.programme_time(parts[-1].end_s)
+
     def camera_time(self, camera: str, frame: int) -> Fraction:
         """The camera's own time in seconds at programme frame ``frame``, exactly."""
         return exact_camera_time(self.camera(camera), Fraction(frame) / self.rate)

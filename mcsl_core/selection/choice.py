@@ -12,7 +12,7 @@ from mcsl_core.edl import Camera, Shot
 from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.timing import FrameRange
 
-from .gaps import with_late_starts, without_gaps
+from .gaps import with_ragged_edges, without_gaps
 from .merits import with_merits
 from .protocol import Selector
 
@@ -31,6 +31,8 @@ class Choice:
         Of them; see `pose_merits`.
     cameras : sequence of Camera
         With their gaps.
+    spans : mapping of str to (float, float)
+        See `with_ragged_edges`.
     frames : int
         Length of the programme.
     rate : Fraction
@@ -41,14 +43,15 @@ class Choice:
     poses: Sequence[FrameRange]
     merits: Mapping[str, NDArray]
     cameras: Sequence[Camera]
+    spans: Mapping[str, tuple[float, float]]
     frames: int
     rate: Fraction
 
-    def told(self, table: ScoreTable) -> ScoreTable:
-        """The table with the merits, with cameras that begin a moment late, and without gaps."""
-        table = with_late_starts(with_merits(table, self.poses, self.merits), self.cameras, self.rate)
-        return without_gaps(table, self.cameras, self.frames)
+    def with_merits(self, table: ScoreTable) -> ScoreTable:
+        """The table with the merits, and without gaps: what was measured."""
+        return without_gaps(with_merits(table, self.poses, self.merits), self.cameras, self.frames)
 
     def shots(self, table: ScoreTable) -> Sequence[Shot]:
         """What the selector chooses by a table of scores alone."""
-        return self.selector.select(self.told(table), frames=self.frames, rate=self.rate)
+        told = with_ragged_edges(self.with_merits(table), self.spans, self.frames, self.rate)
+        return self.selector.select(told, frames=self.frames, rate=self.rate)

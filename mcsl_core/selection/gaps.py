@@ -1,10 +1,9 @@
-"""Where cameras have no pictures, told to the selectors: they are not chosen in gaps, and may begin a little late."""
+"""Where cameras have no pictures, told to selectors: none is chosen in a gap, each may begin late or end early."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from math import ceil
 
 import attrs
 import numpy as np
@@ -14,7 +13,8 @@ from mcsl_core.occlusion.score_table import ScoreTable
 
 from .selectors import sample_borders
 
-_LATE_S = 0.5  # by which recorders that are started together begin after one another
+_RAGGED_S = 0.5  # by which recorders that are started and stopped together begin and end after one another
+_ROUNDED = 1e-6  # seconds
 
 
 def without_gaps(table: ScoreTable, cameras: Sequence[Camera], frames: int) -> ScoreTable:
@@ -47,31 +47,40 @@ def without_gaps(table: ScoreTable, cameras: Sequence[Camera], frames: int) -> S
     return attrs.evolve(table, visible=visible, usable=usable)
 
 
-def with_late_starts(table: ScoreTable, cameras: Sequence[Camera], rate: Fraction) -> ScoreTable:
-    """The table with cameras that begin a moment after the programme taken as if they began with it.
+def with_ragged_edges(
+    table: ScoreTable, spans: Mapping[str, tuple[float, float]], frames: int, rate: Fraction
+) -> ScoreTable:
+    """The table with cameras that begin a moment after the programme, or end before it, as if they lasted as long.
 
-    Until their first picture another camera is shown. Else the one that begins first were on air for a whole shot,
-    whatever is before it.
+    Until its first picture, and from its last one on, another camera is shown. Else the one that begins first, or ends
+    last, were on air for a whole shot whatever is before it.
 
     Parameters
     ----------
     table : ScoreTable
         Of S samples.
-    cameras : sequence of Camera
-        With their clocks.
+    spans : mapping of str to (float, float)
+        Camera -> programme seconds at which it has its first picture, and at which its last one is over.
+    frames : int
+        Length of the programme.
     rate : Fraction
         Programme frames per second.
 
     Returns
     -------
     ScoreTable
-        Before they begin, as at the first sample after it.
+        Where they are missing as at the sample nearest to it.
     """
     visible, usable = table.visible.copy(), table.usable.copy()
-    for camera in cameras:
-        column = table.cameras.index(camera.name)
-        begins = ceil(camera.clock.programme_time(0) * float(rate))
-        first = int(np.searchsorted(table.frames, begins))
-        if 0 < begins <= _LATE_S * float(rate) and first < len(table.frames):
+    seconds, length_s = table.frames / float(rate), frames / float(rate)
+    for name, (begins_s, ends_s) in spans.items():
+        column = table.cameras.index(name)
+        there = np.flatnonzero((seconds >= begins_s - _ROUNDED) & (seconds < ends_s - _ROUNDED))
+        if not len(there):
+            continue
+        first, last = there[0], there[-1]
+        if begins_s <= _RAGGED_S:
             visible[:first, column], usable[:first, column] = visible[first, column], usable[first, column]
+        if length_s - ends_s <= _RAGGED_S:
+            visible[last + 1 :, column], usable[last + 1 :, column] = visible[last, column], usable[last, column]
     return attrs.evolve(table, visible=visible, usable=usable)

@@ -11,6 +11,9 @@ from ..relief.pose_relief import relief_document
 from .standing_poses import StandingPose
 
 _SURER = 0.25  # in confidence: another pose's surface that is so much surer is taken whole, by degrees before
+_SURE = 0.75  # confidence from which a pose's own height stays, whoever is surer
+_KNOWN = 0.2  # confidence at which two poses are compared
+_COMPARED, _SAME = 30, 4.0 / 960  # nodes at least; of the width, median: heights that mean the same
 
 
 def with_shared_surface(poses: Mapping[int, StandingPose]) -> dict[int, StandingPose]:
@@ -25,19 +28,23 @@ def with_shared_surface(poses: Mapping[int, StandingPose]) -> dict[int, Standing
     -------
     dict of int to StandingPose
         Planes, projections and fields as they were. A place that a pose shows as well itself keeps its own height: an
-        operation changes what it works on.
+        operation changes what it works on. A pose whose heights contradict another's shares none with it: where it was
+        not tied to the first one's scene its heights mean something else.
     """
     shapes = {pose.gamma.shape for pose in poses.values()}
     if len(poses) < 2 or len(shapes) > 1:
         return dict(poses)
     found = {}
     for i, own in poses.items():
-        others = [pose for n, pose in poses.items() if n != i]
+        others = [pose for n, pose in poses.items() if n != i and _alike(own, pose)]
+        if not others:
+            found[i] = own
+            continue
         sure = np.stack([pose.confidence for pose in others])
         best = sure.argmax(axis=0)[None]
         theirs = np.take_along_axis(np.stack([pose.gamma for pose in others]), best, axis=0)[0]
         sure = np.take_along_axis(sure, best, axis=0)[0]
-        share = np.clip((sure - own.confidence) / _SURER, 0, 1)
+        share = np.clip(np.minimum(sure - own.confidence, _SURE - own.confidence) / _SURER, 0, 1)
         gamma = own.gamma + share * (theirs - own.gamma)
         confidence = own.confidence + share * (sure - own.confidence)
         relief = relief_document(own.projections, gamma, confidence)
@@ -45,3 +52,10 @@ def with_shared_surface(poses: Mapping[int, StandingPose]) -> dict[int, Standing
         standing = StandingPose.of(pose)
         found[i] = own if standing is None else attrs.evolve(standing, view=own.view)
     return found
+
+
+def _alike(one: StandingPose, other: StandingPose) -> bool:
+    """Whether two poses say the same where both know something."""
+    both = (one.confidence > _KNOWN) & (other.confidence > _KNOWN)
+    width = one.pose.aligned.camera_sizes[one.pose.aligned.reference][0]
+    return both.sum() >= _COMPARED and float(np.median(np.abs(one.gamma - other.gamma)[both])) < _SAME * width
