@@ -45,6 +45,9 @@ def with_shared_surface(poses: Mapping[int, StandingPose]) -> dict[int, Standing
         theirs = np.take_along_axis(np.stack([pose.gamma for pose in others]), best, axis=0)[0]
         sure = np.take_along_axis(sure, best, axis=0)[0]
         share = np.clip(np.minimum(sure - own.confidence, _SURE - own.confidence) / _SURER, 0, 1)
+        if not share.any():
+            found[i] = own
+            continue
         gamma = own.gamma + share * (theirs - own.gamma)
         confidence = own.confidence + share * (sure - own.confidence)
         relief = relief_document(own.projections, gamma, confidence)
