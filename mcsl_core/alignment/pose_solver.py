@@ -245,19 +245,13 @@ def _tell_of_weak(alignment: Alignment, frames: FrameRange, progress: Progress) 
 
 def _without(alignment: Alignment, wrong: Mapping[str, Agreement]) -> Alignment:
     """The alignment without the cameras that the pictures refute, which are weak."""
-    weak = [
+    return alignment.without(
         Weak(
             name,
             f"where its matches lay it, only {found.found} of {found.tried} places look as in the other cameras, "
             "no more than by chance: they show different things, or hardly overlap",
         )
         for name, found in sorted(wrong.items())
-    ]
-    return Alignment(
-        {name: h for name, h in alignment.homographies.items() if name not in wrong},
-        {name: v for name, v in alignment.residual_px.items() if name not in wrong},
-        {name: v for name, v in alignment.support.items() if name not in wrong},
-        (*alignment.weak, *weak),
     )
 
 

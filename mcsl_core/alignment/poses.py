@@ -97,13 +97,12 @@ class _Recording:
         relief = estimate_relief(solver.estimator, seen.cameras, seen.views, planes, before, tied.aligned.field)
         if relief is None:
             return tied
-        by_surface = with_planes_by_surface(tied, relief)
-        if implausible(by_surface.aligned.homographies, solver.sizes, solver.reference):
+        laid = with_planes_by_surface(tied, relief)
+        if implausible(laid.aligned.homographies, solver.sizes, solver.reference):
             return tied  # a surface that says so is of something else: heads were matched
-        tied = by_surface
-        aligned = attrs.evolve(tied.aligned, hands=hand_masks(relief, tied.aligned))
-        tied = attrs.evolve(tied, aligned=aligned)
-        return attrs.evolve(tied, pose=attrs.evolve(tied.pose, relief=relief.document()), relief=relief)
+        aligned = attrs.evolve(laid.aligned, hands=hand_masks(relief, laid.aligned))
+        made = attrs.evolve(laid.pose, relief=relief.document())
+        return attrs.evolve(laid, aligned=aligned, pose=made, relief=relief)
 
     def _drawn_in(self, pose: SolvedPose, progress: Progress) -> tuple[tuple[FrameRange, Mask], ...]:
         """What is drawn over a pose, as masks of its aligned picture, but for what lies outside of that."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Protocol
 
 import numpy as np
@@ -103,6 +103,16 @@ class Alignment:
     residual_px: Mapping[str, float]
     support: Mapping[str, int]
     weak: tuple[Weak, ...]
+
+    def without(self, weak: Iterable[Weak]) -> Alignment:
+        """The alignment without more cameras, which are weak."""
+        out = {one.camera: one for one in weak}
+        return Alignment(
+            {name: h for name, h in self.homographies.items() if name not in out},
+            {name: v for name, v in self.residual_px.items() if name not in out},
+            {name: v for name, v in self.support.items() if name not in out},
+            (*self.weak, *out.values()),
+        )
 
 
 class Aligner(Protocol):

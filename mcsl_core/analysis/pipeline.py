@@ -131,7 +131,7 @@ def _analysed(
         choice = Choice(by["selector"], ranges, merits, footage.cameras, spans, frames, rate)
         look = partial(look_closer, choose=choice.shots, progress=progress)
         table = cache.remember(CLOSER, keys.closer, look, table, footage, segments, movements)
-        shots, table = choice.shots(table), choice.with_merits(table)
+        shots, table = choice.shots(table), choice.measured(table)
         least_s = by["selector"].min_shot_s
         cut = CUTS, keys.cuts(shots, least_s), partial(refine_switches, min_shot_s=least_s)
         cuts = cache.remember(*cut, shots, footage, segments, movements, progress)

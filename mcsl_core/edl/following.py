@@ -76,7 +76,7 @@ def followed_pose(edl: Edl, movement: Movement, frame: int) -> Pose:
 
 
 def poses_beside(edl: Edl, movement: Movement) -> tuple[Pose, Pose]:
-    """The poses before and after a movement, which meet in its middle."""
+    """The poses before and after a movement, which meet in its middle; one twice where no other is."""
     return edl.pose_at(max(0, movement.middle - 1)), edl.pose_at(min(movement.middle, edl.frames - 1))
 
 

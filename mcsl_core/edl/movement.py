@@ -63,7 +63,7 @@ class Movement:
 
     @property
     def middle(self) -> int:
-        """The frame at which one pose ends and the next begins."""
+        """The frame at which one pose ends and the next begins, unless the recording begins or ends in the movement."""
         return (self.range.start + self.range.stop) // 2
 
 

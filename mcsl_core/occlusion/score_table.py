@@ -39,7 +39,7 @@ class ScoreTable:
 
     Notes
     -----
-    Samples need not be evenly spaced: where occlusion changes fast there are more of them.
+    Samples need not be evenly spaced: where the programme was in doubt there are more of them.
     """
 
     frames: NDArray[np.int64]

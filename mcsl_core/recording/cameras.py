@@ -166,14 +166,14 @@ def programme_length(footage: Footage, reference: str, progress: Progress) -> in
     progress
         Told of what the reference camera does not show.
     """
-    ends = {c.name: c.clock.programme_time(footage.parts(c.name)[-1].end_s) for c in footage.cameras}
+    spans = {camera.name: footage.span_s(camera.name) for camera in footage.cameras}
+    ends = {name: ends_s for name, (_, ends_s) in spans.items()}
     own_s, last = footage.parts(reference)[-1].end_s, max(ends, key=lambda name: ends[name])
-    for camera in footage.cameras:
-        begins_s = camera.clock.programme_time(footage.parts(camera.name)[0].first_s)
+    for name, (begins_s, _) in spans.items():
         if begins_s < -_LOST_S:
             progress.note(
-                f"{camera.name} begins {-begins_s:.1f} s before {reference}, the reference camera, with which the "
-                f"programme begins (--reference {camera.name} would begin it earlier)"
+                f"{name} begins {-begins_s:.1f} s before {reference}, the reference camera, with which the "
+                f"programme begins (--reference {name} would begin it earlier)"
             )
     seconds = own_s
     if ends[last] > own_s + _LOST_S:

@@ -47,11 +47,11 @@ class Choice:
     frames: int
     rate: Fraction
 
-    def with_merits(self, table: ScoreTable) -> ScoreTable:
-        """The table with the merits, and without gaps: what was measured."""
+    def measured(self, table: ScoreTable) -> ScoreTable:
+        """The table with the merits, and without gaps."""
         return without_gaps(with_merits(table, self.poses, self.merits), self.cameras, self.frames)
 
     def shots(self, table: ScoreTable) -> Sequence[Shot]:
         """What the selector chooses by a table of scores alone."""
-        told = with_ragged_edges(self.with_merits(table), self.spans, self.frames, self.rate)
+        told = with_ragged_edges(self.measured(table), self.spans, self.frames, self.rate)
         return self.selector.select(told, frames=self.frames, rate=self.rate)

@@ -73,8 +73,8 @@ class PosePlacer:
         """The poses, placed from their neighbours where those know more, as far as the lamp can be followed to them.
 
         A pose is placed that has no relief, or one that lacks cameras and contradicts a whole one beside; cameras that
-        its relief lacks lie as the lamp holds them. Where that is the first of a perspective, all of it is laid anew
-        over what the reference camera shows there.
+        its relief lacks lie as the lamp holds them. All share one surface (`with_shared_surface`). Where the first of a
+        perspective is placed, all of it is laid anew over what the reference camera shows there.
 
         Parameters
         ----------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import attrs
 import numpy as np
@@ -34,27 +34,28 @@ def with_shared_surface(poses: Mapping[int, StandingPose]) -> dict[int, Standing
     shapes = {pose.gamma.shape for pose in poses.values()}
     if len(poses) < 2 or len(shapes) > 1:
         return dict(poses)
-    found = {}
-    for i, own in poses.items():
-        others = [pose for n, pose in poses.items() if n != i and _alike(own, pose)]
-        if not others:
-            found[i] = own
-            continue
-        sure = np.stack([pose.confidence for pose in others])
-        best = sure.argmax(axis=0)[None]
-        theirs = np.take_along_axis(np.stack([pose.gamma for pose in others]), best, axis=0)[0]
-        sure = np.take_along_axis(sure, best, axis=0)[0]
-        share = np.clip(np.minimum(sure - own.confidence, _SURE - own.confidence) / _SURER, 0, 1)
-        if not share.any():
-            found[i] = own
-            continue
-        gamma = own.gamma + share * (theirs - own.gamma)
-        confidence = own.confidence + share * (sure - own.confidence)
-        relief = relief_document(own.projections, gamma, confidence)
-        pose = attrs.evolve(own.pose, pose=attrs.evolve(own.pose.pose, relief=relief))
-        standing = StandingPose.of(pose)
-        found[i] = own if standing is None else attrs.evolve(standing, view=own.view)
-    return found
+    return {
+        i: _lent(own, [pose for n, pose in poses.items() if n != i and _alike(own, pose)]) for i, own in poses.items()
+    }
+
+
+def _lent(own: StandingPose, others: Sequence[StandingPose]) -> StandingPose:
+    """The pose with what the surest of others knows better; itself where that is nothing."""
+    if not others:
+        return own
+    best = np.stack([pose.confidence for pose in others]).argmax(axis=0)[None]
+    theirs, sure = (
+        np.take_along_axis(np.stack(values), best, axis=0)[0]
+        for values in ([pose.gamma for pose in others], [pose.confidence for pose in others])
+    )
+    share = np.clip(np.minimum(sure - own.confidence, _SURE - own.confidence) / _SURER, 0, 1)
+    if not share.any():
+        return own
+    gamma = own.gamma + share * (theirs - own.gamma)
+    confidence = own.confidence + share * (sure - own.confidence)
+    relief = relief_document(own.projections, gamma, confidence)
+    standing = StandingPose.of(attrs.evolve(own.pose, pose=attrs.evolve(own.pose.pose, relief=relief)))
+    return own if standing is None else attrs.evolve(standing, view=own.view)
 
 
 def _alike(one: StandingPose, other: StandingPose) -> bool:
