@@ -52,7 +52,7 @@ from mcsl_core.simulation.truth import fit_homography, transfer
 
 RESULTS = Path(__file__).parent / "results"
 PLAIN = tuple(str(seed) for seed in ideal.FINAL)
-FAMILIES = ("limb:616", "suturing:623", "resting-hand:614", "near-black-skin:619", "brown-drape:618", "short-poses:624")
+FAMILIES = ("limb:663", "suturing:669", "resting-hand:661", "near-black-skin:666", "brown-drape:665", "short-poses:670")
 REAL = ("suturing", "planar", "board")
 TUNING = ("702", "703", "705", "706", "limb:501", "suturing:503")
 ADJUSTMENTS = 2  # of the cameras in an analysis: laid by the plane, then by the relief
