@@ -62,7 +62,10 @@ from mcsl_core.simulation.scenario import DRAPES, GLOVES, SKINS
 from mcsl_core.timing import FrameRange
 
 RESULTS = Path(__file__).parent / "results"
-TUNING, FINAL = (*range(501, 507), 702, 703, 705, 706, 709, 713, 714, 715, 717, 720, 721), (719, *range(722, 729))
+TUNING, FINAL = (
+    (*range(501, 507), 702, 703, 705, 706, 709, 713, 714, 715, 717, 720, 721, 724, 728),
+    (719, 722, 723, 725, 726, 727, 729, 730),
+)
 AIDS = ("surface", "see_through")
 """Looks that lay pictures otherwise than planes do, each a variant with those before it, where the programme has it."""
 

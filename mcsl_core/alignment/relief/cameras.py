@@ -369,7 +369,8 @@ class _Normal:
         reduced = np.zeros((len(self.right_cameras),) * 2)
         for k, block in enumerate(self.cameras):
             own = slice(12 * k, 12 * k + 12)
-            reduced[own, own] = block + damping * np.diag(np.diag(block)) + 1e-9 * np.trace(block) * np.eye(12)
+            least = 1e-9 * np.trace(block) + 1e-12  # a camera that all matches contradict stays where it is
+            reduced[own, own] = block + damping * np.diag(np.diag(block)) + least * np.eye(12)
         by_points = np.matmul(self.both, inverse)
         wide = (len(self.both) * 3, -1)
         reduced -= by_points.transpose(0, 2, 1).reshape(wide).T @ self.both.transpose(0, 2, 1).reshape(wide)

@@ -111,8 +111,13 @@ class PosePlacer:
         progress: Progress,
     ) -> None:
         """Places what is not known of a perspective's poses, changing ``known`` and ``placed``."""
-        by_pictures = set(known)
+        by_pictures = {i for i, standing in known.items() if self.reference not in standing.refused}
         for i, standing in known.items():
+            if standing.refused:
+                standing = known[i] = self._without_refused(standing)
+                placed[i] = standing.pose
+                names = ", ".join(standing.refused)
+                progress.note(f"frames {placed[i].pose.range}: {names} placed as the lamp holds them, not as tied")
             if held := self._held(lamp, standing):
                 known[i] = self._completed(standing, held)
                 placed[i] = known[i].pose
@@ -176,7 +181,19 @@ class PosePlacer:
         """The pose with the lamp standing so, over the known one's relief; None where its field is lost."""
         none = np.eye(3)
         projections = {name: end.bends.get(name, none) @ lamp.projection(name, view) for name in lamp.mounts}
-        points, full, before = known.field_points(), lamp.sizes[self.reference], known.pose.aligned
+        found = self._over(known, projections, pose)
+        return None if found is None else attrs.evolve(found, view=view)
+
+    def _without_refused(self, standing: StandingPose) -> StandingPose:
+        """The pose laid by its own relief with the refused cameras as the lamp holds them, the reference, too."""
+        found = self._over(standing, standing.projections, standing.pose)
+        return standing if found is None else attrs.evolve(found, view=standing.view, refused=standing.refused)
+
+    def _over(self, known: StandingPose, projections: Mapping[str, Array], pose: SolvedPose) -> StandingPose | None:
+        """The pose with its cameras so, over the known one's relief; None where its field is lost."""
+        none = np.eye(3)
+        points, before = known.field_points(), known.pose.aligned
+        full = before.camera_sizes[self.reference]
         anchor = plane_through(project(projections[self.reference], points), points[:, :2])
         if anchor is None:
             return None
@@ -191,8 +208,7 @@ class PosePlacer:
         relief = relief_document(projections, known.gamma, known.confidence)
         made = attrs.evolve(pose.pose, anchor=to_edl_matrix(anchor), relief=relief)
         made = attrs.evolve(pose, pose=made, aligned=aligned, field_by=known.pose.field_by)
-        standing = StandingPose.of(self._laid(made, projections, points))
-        return None if standing is None else attrs.evolve(standing, view=view)
+        return StandingPose.of(self._laid(made, projections, points))
 
     def _held(self, lamp: Lamp, standing: StandingPose) -> dict[str, Array]:
         """Camera -> its projection, of those that the pose's relief lacks and that lie better so than by their planes.

@@ -21,7 +21,7 @@ from ..observations import SolvedPose
 from ..relief.field_surface import height_of_gamma
 from ..relief.surface_planes import field_points, sure_nodes
 from ..steady import steady_view
-from .lamp import AT_REST, Lamp, LampView, calibrate
+from .lamp import AT_REST, Lamp, LampView, Rig, calibrate
 from .protocol import End, Instant
 from .templates import WIDTH, Grey, Ground, templates
 
@@ -51,6 +51,9 @@ class StandingPose:
         Scene points that are known, spread over the programme's picture.
     view : LampView
         Where the lamp stands.
+    refused : tuple of str
+        Cameras that the pose's own relief has elsewhere than the rig that explains all others; ``projections`` has
+        them as the lamp holds them.
     """
 
     pose: SolvedPose
@@ -60,6 +63,7 @@ class StandingPose:
     planes: Mapping[str, Homography]
     points: Array
     view: LampView
+    refused: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, pose: SolvedPose) -> StandingPose | None:
@@ -138,9 +142,16 @@ def calibrated(
         poses = list(found.values())
         rig = calibrate([pose.projections for pose in poses], poses[0].points, reference, sizes)
         if rig is not None:
-            return rig[0], {i: attrs.evolve(p, view=v) for (i, p), v in zip(found.items(), rig[1], strict=True)}
+            return rig.lamp, {i: _standing(pose, rig, n) for n, (i, pose) in enumerate(found.items())}
         del found[min(found, key=lambda i: (len(found[i].projections), found[i].confidence.mean()))]
     return None
+
+
+def _standing(pose: StandingPose, rig: Rig, at: int) -> StandingPose:
+    """The pose, ``at`` the rig's, where the lamp stands in it, with what is refused of it."""
+    view, refused = rig.views[at], tuple(name for i, name in rig.refused if i == at)
+    held = {name: rig.lamp.projection(name, view) for name in refused}
+    return attrs.evolve(pose, view=view, refused=refused, projections={**pose.projections, **held})
 
 
 def instants_between(footage: Footage, first: int, last: int) -> list[Instant]:

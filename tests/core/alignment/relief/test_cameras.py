@@ -149,3 +149,13 @@ def test_nothing_is_located_by_no_points() -> None:
     nothing = locate(tracks_of({}, ["ref", "b"]), {"ref": np.eye(3, 4), "b": np.eye(3, 4)}, SIZES)
     assert nothing.points.shape == (0, 3)
     assert set(nothing.residual_px) == {"ref", "b"}
+
+
+def test_a_camera_that_no_match_speaks_for_stays_where_it_was(rig: Rig) -> None:
+    scene = rig.scene(300)
+    names = ["ref", "b", "c"]
+    pairs = {("ref", "b"): matches(rig, "ref", "b", scene, 0.2, 0.0)}
+    start = {n: rig.plane(n) if n != "ref" else np.eye(3) for n in names}
+    found = solve_cameras(tracks_of(pairs, names), start, SIZES)
+    flat = np.column_stack([np.linalg.inv(start["c"]), np.zeros(3)])
+    np.testing.assert_allclose(found["c"], flat / flat[2, 2], rtol=1e-6, atol=1e-6)

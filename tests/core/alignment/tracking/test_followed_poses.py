@@ -32,6 +32,7 @@ SCENARIO = Scenario(
     seed=31, duration_s=20, movements=((9.0, 1.5),), size=(480, 270), rate=Fraction(10), heads=1, relief_mm=20
 )
 SHIFTED = np.array([[1, 0, 14.0], [0, 1, -9.0], [0, 0, 1]])
+BY_THE_RIM = np.array([[1.03, 0.02, 5.0], [-0.01, 0.98, -8.0], [8e-5, -6e-5, 1]])  # of a head before it
 WEAK = Weak("cam3", "a head hid the field")
 
 pytestmark = pytest.mark.slow
@@ -108,6 +109,20 @@ def test_poses_that_are_well_tied_stay_but_for_heights_that_the_other_knows_bett
         assert (np.array(shared.confidence) >= np.array(own.confidence)).all()
         for camera in solved.truth.cameras:
             assert solved.off(placed, number, camera) < solved.off(solved.poses, number, camera) + 0.1
+
+
+def test_a_reference_camera_that_a_head_hid_is_laid_as_the_lamp_holds_it(solved: Solved) -> None:
+    """In the first pose, where it was tied by what is about the head: the programme is laid over where it stands."""
+    first, second = solved.poses
+    relief = first.pose.relief
+    assert relief is not None
+    wrong = BY_THE_RIM @ np.array(relief.projections[solved.edl.reference])
+    projections = {**relief.projections, solved.edl.reference: to_edl_projection(wrong)}
+    tied = attrs.evolve(first, pose=attrs.evolve(first.pose, relief=attrs.evolve(relief, projections=projections)))
+    placed = solved.placer.place([tied, second], Silent())
+    for number in range(2):
+        for camera in solved.truth.cameras:
+            assert solved.off(placed, number, camera) < 2.5
 
 
 def test_a_later_pose_comes_right_by_the_one_before(solved: Solved) -> None:

@@ -33,7 +33,7 @@ def test_a_rig_is_calibrated_from_its_projections() -> None:
     poses = [{n: p if n == "cam1" and i == 0 else noisy(p) for n, p in pose.items()} for i, pose in enumerate(poses)]
     found = calibrate(poses, points, "cam1", dict.fromkeys(NAMES, SIZE))
     assert found is not None
-    lamp, views = found
+    lamp, views = found.lamp, found.views
     for name in NAMES:
         assert lamp.focal[name] == pytest.approx(true.focal[name], rel=0.1)
         for view, pose in zip(views, poses, strict=True):
@@ -57,7 +57,7 @@ def test_views_may_count_from_a_later_pose() -> None:
     poses = [seen(true, MOVED), seen(true, AT_REST)]
     found = calibrate(poses, points, "cam1", dict.fromkeys(NAMES, SIZE))
     assert found is not None
-    lamp, views = found
+    lamp, views = found.lamp, found.views
     for view, pose in zip(views, poses, strict=True):
         for name in NAMES:
             off = project(lamp.projection(name, view), points) - project(pose[name], points)
@@ -96,3 +96,41 @@ def test_a_lamp_is_followed_from_both_ends_past_an_arm() -> None:
     for index, view in enumerate(found):
         assert view is not None
         assert way.off(index, view) < 0.8, index
+
+
+OFF = np.array([[1.03, 0.02, 9.0], [-0.01, 0.98, 12.0], [4e-5, -3e-5, 1]])
+
+
+@pytest.mark.parametrize(("pose", "camera"), [(0, "cam1"), (2, "cam3")])
+def test_a_camera_that_one_pose_has_elsewhere_is_refused_there(pose: int, camera: str) -> None:
+    """The reference camera of the first pose too, which all others are laid over."""
+    true, points = true_lamp(), scene()
+    poses = [dict(seen(true, view)) for view in (AT_REST, MOVED, LampView.of(-MOVED.numbers))]
+    right = poses[pose][camera]
+    poses[pose][camera] = OFF @ right
+    found = calibrate(poses, points, "cam1", dict.fromkeys(NAMES, SIZE))
+    assert found is not None
+    assert found.refused == ((pose, camera),)
+    off = project(found.lamp.projection(camera, found.views[pose]), points) - project(right, points)
+    assert np.hypot(*off.T).max() < 0.5
+
+
+def test_of_two_poses_that_have_a_camera_turned_otherwise_neither_is_refused() -> None:
+    """It may be turned in its mount in either."""
+    true, points = true_lamp(), scene()
+    poses = [dict(seen(true, AT_REST)), dict(seen(true, MOVED))]
+    middle = [[1, 0, (SIZE[0] - 1) / 2], [0, 1, (SIZE[1] - 1) / 2], [0, 0, 1]]
+    turn = np.array([[0.9998, -0.02, 0], [0.02, 0.9998, 0], [0, 0, 1]])
+    poses[1]["cam3"] = middle @ turn @ np.linalg.inv(middle) @ poses[1]["cam3"]
+    found = calibrate(poses, points, "cam1", dict.fromkeys(NAMES, SIZE))
+    assert found is not None
+    assert not found.rigid
+    assert not found.refused
+
+
+def test_a_rig_without_a_camera_that_is_off_refuses_none() -> None:
+    true, points = true_lamp(), scene()
+    found = calibrate([seen(true, AT_REST), seen(true, MOVED)], points, "cam1", dict.fromkeys(NAMES, SIZE))
+    assert found is not None
+    assert found.rigid
+    assert not found.refused
