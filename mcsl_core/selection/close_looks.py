@@ -233,7 +233,7 @@ class _Looks:
         """Of these cameras, at the frames of the stretches that lie ``step`` apart."""
         looks = [look for stretch in stretches for look in self._within(stretch)]
         if looks:
-            self.progress.stage("Looking closer where much changes", sum(len(frames) for _, frames in looks), "frames")
+            self.progress.stage("Looking closer", sum(len(frames) for _, frames in looks), "frames")
         rows = {}
         for segment, frames in looks:
             pictures = [self.footage.pictures(camera, frames, height=SAMPLE_HEIGHT) for camera in cameras]
