@@ -1,6 +1,6 @@
 """How well a programme sees through heads that are pasted into one camera, against its pictures as they were.
 
-    python -m benchmarks.see_through FOLDER NAME ...    FOLDER and NAME as of benchmarks.ideal; prints the table
+    python -m benchmarks.see_through FOLDER NAME ...    FOLDER and NAME as of benchmarks.ideal; writes the page
 
 Where a camera sees the field freely (by the scene's truth), a head of the size of those in the scene is pasted into its
 own pictures and drifts over them; no other camera sees it, so that what the others show is right. Then the programme of
@@ -10,8 +10,10 @@ head, and in the rest of the field. Beside it how much of the scene's own hands 
 
 from __future__ import annotations
 
+import platform
 import sys
 from collections.abc import Sequence
+from datetime import date
 from pathlib import Path
 
 import attrs
@@ -32,6 +34,8 @@ from mcsl_core.recording.footage import Footage
 from mcsl_core.simulation import Truth, load_truth
 from mcsl_core.timing import FrameRange
 
+RESULTS = Path(__file__).parent / "results"
+GOAL = 6.0  # dB
 FREE = 0.97  # of its field that a camera must see past the scene's own heads
 LASTS, EVERY = 30, 6  # frames that a head stays; frames that are judged
 LOOK = Look(centering=False, fill=False, colour=True, surface=True)
@@ -130,19 +134,43 @@ def measured(made: Edl, base: Path, camera: str, piece: FrameRange, cap: tuple[i
     return np.mean(rows, axis=0)
 
 
+def page(rows: Sequence[tuple[str, str, FrameRange, NDArray[np.float64]]]) -> str:
+    """The table, and what it comes to."""
+    gains = np.array([values[1] - values[0] for *_, values in rows])
+    heads = ("", "camera", "frames", "under the head, dB: as filmed", "seen through", "elsewhere: replaced", "dB there")
+    lines = [
+        "# Heads seen through",
+        "",
+        f"Made by `python -m benchmarks.see_through FOLDER NAME ...` on {date.today()}, {platform.machine()}, "
+        f"Python {platform.python_version()}. Recordings of `benchmarks.ideal`, none of them tuned on.",
+        "",
+        "A head is pasted into one camera's pictures where it sees its field freely, and drifts over it; other cameras do not "
+        "see it, but have the scene's own heads before them. PSNR against the pictures as they were: under the head, with "
+        "the head shown and seen through; in the rest of the picture, of which a part is replaced where the scene's own heads are.",
+        "",
+        f"**{(gains >= GOAL).sum()} of {len(gains)} heads are at least {GOAL:.0f} dB nearer; {np.median(gains):+.1f} dB in the "
+        f"median, {np.mean(gains):+.1f} in the mean, {gains.min():+.1f} at worst.** Where nobody is sure to see the field under a "
+        "head, the head stays: 0 dB.",
+        "",
+        f"| {' | '.join(heads)} |",
+        f"|{'---|' * len(heads)}",
+    ]  # fmt: skip
+    for name, camera, piece, (plain, seen, changed, rest) in rows:
+        lines.append(f"| {name} | {camera} | {piece} | {plain:.1f} | {seen:.1f} | {changed:.2%} | {rest:.1f} |")
+    return "\n".join(lines) + "\n"
+
+
 def main(arguments: Sequence[str]) -> None:
     folder = Path(arguments[0])
     cv2.setNumThreads(1)
-    heads = ("", "camera", "frames", "under the head, without", "with", "elsewhere: replaced", "elsewhere, dB")
-    print(f"| {' | '.join(heads)} |\n|{'---|' * len(heads)}")
+    rows = []
     for name in arguments[1:]:
         base = folder / f"{name.replace(':', '-')}.edl"
         made, truth = edl.load(base / "edl.json"), load_truth(folder / name.replace(":", "-"))
         for n, (camera, piece) in enumerate(stretches(made, truth)):
-            plain, seen, changed, rest = measured(made, base, camera, piece, CAPS[n % len(CAPS)])
-            print(
-                f"| {name} | {camera} | {piece} | {plain:.1f} | {seen:.1f} | {changed:.2%} | {rest:.1f} |", flush=True
-            )
+            rows.append((name, camera, piece, measured(made, base, camera, piece, CAPS[n % len(CAPS)])))
+            print(name, camera, *np.round(rows[-1][-1], 2), flush=True)
+    (RESULTS / "see_through.md").write_text(page(rows), "utf-8")
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from attrs import define, field
@@ -28,7 +29,7 @@ from mcsl_core.progress import CancelToken
 
 if TYPE_CHECKING:  # they import scipy and OpenCV, and bars must not wait for that
     from mcsl_core.evaluation.questionnaire import Result
-    from mcsl_core.evaluation.results import Evaluation
+    from mcsl_core.evaluation.results import Evaluation, SeenThrough
     from mcsl_core.hooks.registry import Offer
 
 
@@ -113,8 +114,8 @@ class Lines:
         self.write(f"{time.monotonic() - self._began:7.1f} s  note: {text}")
 
 
-def steadiness_table(evaluation: Evaluation) -> Group:
-    """The figures of every variant, over the whole and over the switches; the conditions at the foot."""
+def steadiness_table(evaluation: Evaluation, rate: Fraction) -> Group:
+    """The figures of every variant, over the whole and over the switches; what is seen through; the conditions."""
     conditions, (width, height) = evaluation.conditions, evaluation.conditions.size
     sampled = {0: ", switches alone", 1: ""}.get(conditions.every, f", one in {conditions.every} pairs within shots")
     names = {m.name for m in evaluation.measured}
@@ -148,7 +149,20 @@ def steadiness_table(evaluation: Evaluation) -> Group:
         f"those about the field. Pictures: {width}x{height}, {conditions.picture}{sampled}. Points within shots: "
         f"{conditions.within_camera}. Points at switches: {conditions.at_switches}."
     )
-    return Group(table, "", foot)
+    seen = [seen_through_table(evaluation.seen_through, rate), ""] if evaluation.seen_through else []
+    return Group(table, "", *seen, foot)
+
+
+def seen_through_table(stretches: Sequence[SeenThrough], rate: Fraction) -> Table:
+    """When, how much of the field, and by whom."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for heading in ("seen through, s", "camera", "field", "at most", "as others see it"):
+        table.add_column(heading, no_wrap=heading != "as others see it")
+    for each in stretches:
+        span = f"{float(each.range.start / rate):.1f} to {float(each.range.stop / rate):.1f}"
+        by = ", ".join(f"{name} {share:.0%}" for name, share in sorted(each.by.items(), key=lambda item: -item[1]))
+        table.add_row(span, each.camera, f"{each.share:.0%}", f"{each.most:.0%}", by)
+    return table
 
 
 def study_table(results: Sequence[Result]) -> Group:

@@ -8,7 +8,7 @@ adds to them what its cameras see from their own side.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import chain
 
 import attrs
@@ -21,6 +21,7 @@ from mcsl_core.errors import DocumentError
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.protocol import Filler
 from mcsl_core.filling.provenance import ShowProvenance
+from mcsl_core.filling.visual_hull import Cells
 from mcsl_core.imaging.planes import Planes, black
 from mcsl_core.imaging.warp import Resampling
 from mcsl_core.timing import FrameRange
@@ -138,9 +139,41 @@ class Compositor:
         finally:
             self.close()
 
+    def seen_through(self, frame: int) -> Mapping[str, Cells]:
+        """What other cameras show under heads in a frame.
+
+        Parameters
+        ----------
+        frame : int
+            The programme frame.
+
+        Returns
+        -------
+        mapping of str to (rows, columns) float32
+            By other camera the weight of its picture, 0..1, by cell of the programme before centering; empty where
+            nothing is seen through.
+        """
+        _, decision, pose_index = self._segment(frame)
+        if self._see_through is None or not sees_through(self.edl.poses[pose_index], decision):
+            return {}
+        camera = self._camera_with_picture(frame, decision, self._warper.pose_at(frame))
+        return {} if camera is None else self._see_through.weights(self._context(frame, camera, decision, pose_index))
+
+    def _segment(self, frame: int) -> tuple[FrameRange, Decision, int]:
+        return self._segments[bisect_right(self._segments, frame, key=lambda segment: segment[0].start) - 1]
+
+    def _context(
+        self, frame: int, camera: str, decision: Decision, pose_index: int, previous: Planes | None = None
+    ) -> FrameContext:
+        offset = shift_at(self.edl, decision, frame)
+        still = all(shift_at(self.edl, decision, n) == offset for n in (frame - 1, frame + 1))
+        steady = still and self._warper.pose_at(frame) == pose_index
+        return FrameContext(
+            self._warper, frame, camera, pose_index, offset, decision.colour, decision.surface, steady, previous
+        )
+
     def _composited(self, frame: int, before: _Composited | None) -> _Composited:
-        index = bisect_right(self._segments, frame, key=lambda segment: segment[0].start) - 1
-        _, decision, pose_index = self._segments[index]
+        _, decision, pose_index = self._segment(frame)
         perspective = self.edl.poses[pose_index].perspective
         # In another perspective the frame before lies elsewhere: nothing in it belongs here.
         known = before.planes if before is not None and before.perspective == perspective else None
@@ -151,11 +184,7 @@ class Compositor:
         camera = self._camera_with_picture(frame, decision, laid_by)
         if camera is None:
             return black(edl.size)
-        offset = shift_at(edl, decision, frame)
-        steady = laid_by == pose_index and all(shift_at(edl, decision, n) == offset for n in (frame - 1, frame + 1))
-        context = FrameContext(
-            self._warper, frame, camera, pose_index, offset, decision.colour, decision.surface, steady, previous
-        )
+        context = self._context(frame, camera, decision, pose_index, previous)
         planes = self._filled(context, fill=decision.fill and self._warper.is_placed(laid_by, camera))
         if self._see_through is None or not sees_through(edl.poses[pose_index], decision):
             return planes

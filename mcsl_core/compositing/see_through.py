@@ -119,6 +119,10 @@ class SeeThrough:
             target[:] = np.clip(np.rint(result + (1 - total) * target), 0, 255)
         return found
 
+    def weights(self, context: FrameContext) -> Mapping[str, Cells]:
+        """By other camera, 0..1 by cell of the programme before centering: how much of it a frame shows."""
+        return {name: patch.weight for name, patch in self._at(context).items()}
+
     def _at(self, context: FrameContext) -> Mapping[str, Patch]:
         """The patches of a frame, between those of the grid."""
         if not has_relief(self._warper.edl, self._warper.edl.poses[context.pose_index], context.camera):

@@ -29,8 +29,10 @@ from mcsl_core.timing import FrameRange
 from .manual_alignment import ByHand, aligned_by_hand
 from .observer import TrackFollower, VariantObserver
 from .results import Conditions, Evaluation, Measured, Pair, Steadiness, Switch
+from .seen_through import seen_through
 
 WIDTH = 640  # of the pictures measured: the paper names none
+DELIVERED = "delivered"
 
 
 def without_alignment(edl: Edl) -> Edl:
@@ -106,7 +108,7 @@ def standard_variants(edl: Edl, *, manual: ByHand | None = None, colour: bool = 
         Variant("auto", "Auto", edl, own),
         Variant("centered", "Auto + centered", edl, attrs.evolve(own, centering=True)),
         Variant("filled", "Auto + centered + filled", edl, attrs.evolve(own, centering=True, fill=True)),
-        Variant("delivered", "As delivered", edl),
+        Variant(DELIVERED, "As delivered", edl),
     ]
     return tuple(found)
 
@@ -171,7 +173,8 @@ def evaluate(
         whole, at_switches = _summary(pairs, weights) if every else None, _summary(pairs, weights_at_switches)
         one_by_one = tuple(pairs[s.frame - 1] for s in selection.switches)
         rows.append(Measured(variant.name, variant.label, whole, at_switches, one_by_one))
-    return Evaluation(Conditions(size, every, len(selection.cuts)), selection.switches, tuple(rows))
+    seen = seen_through(edl, base, progress) if any(variant.name == DELIVERED for variant in variants) else ()
+    return Evaluation(Conditions(size, every, len(selection.cuts)), selection.switches, tuple(rows), seen)
 
 
 @frozen

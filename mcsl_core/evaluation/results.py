@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from attrs import frozen
 
 from mcsl_core.documents import canonical_json, make_converter, read_json, structure_document
 from mcsl_core.errors import DocumentError, UsageError
+from mcsl_core.timing import FrameRange
 
 from .metrics import FOLLOWED, MATCHED
 
@@ -136,6 +138,29 @@ class Conditions:
 
 
 @frozen
+class SeenThrough:
+    """A stretch in which the delivered programme shows, under heads, what other cameras see.
+
+    Attributes
+    ----------
+    range : FrameRange
+        When, to half a second.
+    camera : str
+        The chosen camera.
+    share, most : float
+        0..1 of the surgical field or of the middle that stands for it, in the mean and at most.
+    by : mapping of str to float
+        Of ``share``, what each other camera shows.
+    """
+
+    range: FrameRange
+    camera: str
+    share: float
+    most: float
+    by: Mapping[str, float]
+
+
+@frozen
 class Evaluation:
     """The results of all variants.
 
@@ -147,11 +172,14 @@ class Evaluation:
         Those that were measured.
     measured : tuple of Measured
         By variant.
+    seen_through : tuple of SeenThrough
+        Of the delivered programme.
     """
 
     conditions: Conditions
     switches: tuple[Switch, ...]
     measured: tuple[Measured, ...]
+    seen_through: tuple[SeenThrough, ...] = ()
 
     def row(self, name: str) -> Measured:
         """The variant of that name; UsageError where it was not measured."""

@@ -114,7 +114,7 @@ def write_report(
     no_figures = ""
     if evaluation is None:
         evaluation, no_figures = _evaluated(edl, base, progress)
-    steady = None if evaluation is None else steady_facts(evaluation)
+    steady = None if evaluation is None else steady_facts(evaluation, edl.rate)
     name, lacking = edl_path.name, Lacking(no_scores, no_pictures, no_figures)
     if anonymous:
         edl, name, lacking = fileless(edl), FILE, Lacking(untold(no_scores), untold(no_pictures), untold(no_figures))

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from fractions import Fraction
 
 from attrs import frozen
 
-from mcsl_core.evaluation.results import MEASURES, Evaluation, Measured, Steadiness
+from mcsl_core.evaluation.results import MEASURES, Evaluation, Measured, SeenThrough, Steadiness
+
+from .charts import short_time
 
 
 @frozen
@@ -29,15 +32,18 @@ class SteadyFacts:
         What the alignment changed, in a sentence; empty where that is not known.
     conditions : tuple of str
         How it was measured.
+    seen_through : tuple of str
+        When heads are seen through, and how much of the field that is; no camera is named.
     """
 
     switches: tuple[SteadyRow, ...]
     whole: tuple[SteadyRow, ...]
     told: str
     conditions: tuple[str, ...]
+    seen_through: tuple[str, ...]
 
 
-def steady_facts(evaluation: Evaluation) -> SteadyFacts:
+def steady_facts(evaluation: Evaluation, rate: Fraction) -> SteadyFacts:
     """An evaluation as the page tells it."""
     conditions = evaluation.conditions
     width, height = conditions.size
@@ -52,7 +58,13 @@ def steady_facts(evaluation: Evaluation) -> SteadyFacts:
             f"Measured on pictures of {width}x{height}, {conditions.picture}; {pairs} switches{sampled}.",
             f"Points within shots: {conditions.within_camera}. At switches: {conditions.at_switches}.",
         ),
+        tuple(_seen_words(stretch, rate) for stretch in evaluation.seen_through),
     )
+
+
+def _seen_words(stretch: SeenThrough, rate: Fraction) -> str:
+    start, stop = (short_time(float(frame / rate)) for frame in (stretch.range.start, stretch.range.stop))
+    return f"{start} to {stop}: {stretch.share:.0%} of it in the mean, {stretch.most:.0%} at most"
 
 
 def _cells(means: Steadiness) -> tuple[str, ...]:

@@ -77,7 +77,8 @@ def evaluate(session: Session, edl: Path | None, study: Path | None, **how: Any)
         outputs = _claimed(files, edl, read, force)
         with session.progress() as progress:
             found = mcsl.evaluate(programme, **how, progress=progress)
-        shown, as_csv, as_json = console.steadiness_table(found), results.to_csv(found), results.to_json(found)
+        shown = console.steadiness_table(found, programme.edl.rate)
+        as_csv, as_json = results.to_csv(found), results.to_json(found)
     else:
         raise UsageError("takes an EDL, or --study with a file of ratings", remedy="See: mcsl evaluate --help")
     for output, text in zip(outputs, (as_csv, as_json), strict=True):
