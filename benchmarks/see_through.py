@@ -139,22 +139,18 @@ def page(rows: Sequence[tuple[str, str, FrameRange, NDArray[np.float64]]]) -> st
     gains = np.array([values[1] - values[0] for *_, values in rows])
     heads = ("", "camera", "frames", "under the head, dB: as filmed", "seen through", "elsewhere: replaced", "dB there")
     lines = [
-        "# Heads seen through",
-        "",
-        f"Made by `python -m benchmarks.see_through FOLDER NAME ...` on {date.today()}, {platform.machine()}, "
-        f"Python {platform.python_version()}. Recordings of `benchmarks.ideal`, none of them tuned on.",
-        "",
-        "A head is pasted into one camera's pictures where it sees its field freely, and drifts over it; other cameras do not "
-        "see it, but have the scene's own heads before them. PSNR against the pictures as they were: under the head, with "
-        "the head shown and seen through; in the rest of the picture, of which a part is replaced where the scene's own heads are.",
-        "",
-        f"**{(gains >= GOAL).sum()} of {len(gains)} heads are at least {GOAL:.0f} dB nearer; {np.median(gains):+.1f} dB in the "
-        f"median, {np.mean(gains):+.1f} in the mean, {gains.min():+.1f} at worst.** Where nobody is sure to see the field under a "
-        "head, the head stays: 0 dB.",
-        "",
+        "# Heads seen through\n",
+        f"Made by `python -m benchmarks.see_through FOLDER NAME ...` on {date.today()}, {platform.machine()}, Python "
+        f"{platform.python_version()}. Recordings of `benchmarks.ideal`, none of them tuned on.\n",
+        "A head is pasted into one camera's pictures where it sees its field freely, and drifts over it; other cameras "
+        "do not see it, but have the scene's own heads before them. PSNR against the pictures as they were: under the "
+        "head, as filmed and seen through; and elsewhere, where the scene's own heads are seen through as well.\n",
+        f"**{(gains >= GOAL).sum()} of {len(gains)} heads are at least {GOAL:.0f} dB nearer; {np.median(gains):+.1f} "
+        f"dB in the median, {np.mean(gains):+.1f} in the mean, {gains.min():+.1f} at worst.** Where nobody is sure to "
+        "see the field under a head, the head stays: 0 dB.\n",
         f"| {' | '.join(heads)} |",
         f"|{'---|' * len(heads)}",
-    ]  # fmt: skip
+    ]
     for name, camera, piece, (plain, seen, changed, rest) in rows:
         lines.append(f"| {name} | {camera} | {piece} | {plain:.1f} | {seen:.1f} | {changed:.2%} | {rest:.1f} |")
     return "\n".join(lines) + "\n"
