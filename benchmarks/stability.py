@@ -115,13 +115,13 @@ def between(before: NDArray[np.uint8], after: NDArray[np.uint8]) -> NDArray[np.f
     still = np.eye(2, 3)
     if places is None or len(places) < 8:
         return still
-    there, found, _ = cv2.calcOpticalFlowPyrLK(before, after, places, None)  # pyright: ignore[reportCallIssue]
-    back, also, _ = cv2.calcOpticalFlowPyrLK(after, before, there, None)  # pyright: ignore[reportCallIssue]
-    right = (found[:, 0] & also[:, 0]).astype(bool) & (np.abs(back - places)[:, 0].max(axis=1) < 0.5)
+    there, found, _ = cv2.calcOpticalFlowPyrLK(before, after, places, places.copy())
+    back, also, _ = cv2.calcOpticalFlowPyrLK(after, before, there, there.copy())
+    right = (found[:, 0] > 0) & (also[:, 0] > 0) & (np.abs(back - places)[:, 0].max(axis=1) < 0.5)
     if right.sum() < 8:
         return still
     matrix, _ = cv2.estimateAffine2D(places[right], there[right], ransacReprojThreshold=1.5)
-    return still if matrix is None else np.asarray(matrix)  # pyright: ignore[reportUnnecessaryComparison]
+    return still if matrix is None else np.array(matrix, np.float64)  # pyright: ignore[reportUnnecessaryComparison]
 
 
 # ------------------------------------------------------------------------------------------------------------ the rows
