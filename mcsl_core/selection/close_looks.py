@@ -12,6 +12,7 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Mapping, Sequence
 
+import attrs
 import numpy as np
 from attrs import field, frozen
 from numpy.typing import NDArray
@@ -139,6 +140,8 @@ def without_doubts(table: ScoreTable, choose: Choose, look: Look, step: int, cha
     ScoreTable
         ``table`` with rows of all cameras where it was worth to look at all.
     """
+    if not _minds_scores(table, choose):
+        return table
     alone: dict[str, dict[int, float]] = {camera: {} for camera in table.cameras}  # what single cameras show
     alone_at: set[tuple[str, FrameRange]] = set()
     done: set[FrameRange] = set()
@@ -217,6 +220,17 @@ def unseen_edges(table: ScoreTable, movements: Sequence[Movement], frames: int, 
     edges = {n for m in movements for n in (m.range.start - step, m.range.stop - 1 + step)} | {frames - 1}
     possible = (n for n in edges if 0 <= n < frames and not any(n in m.range for m in movements))
     return sorted(n for n in possible if not len(known) or np.abs(known - n).min() > step)
+
+
+def _minds_scores(table: ScoreTable, choose: Choose) -> bool:
+    """Whether another camera is chosen where another one alone sees the field: of one that is fixed, no look tells."""
+
+    def cameras(alone: int) -> list[tuple[FrameRange, str]]:
+        visible = np.where(np.isnan(table.visible), np.nan, np.arange(len(table.cameras)) == alone)
+        return [(shot.range, shot.camera) for shot in choose(attrs.evolve(table, visible=visible))]
+
+    first, *others = (cameras(alone) for alone in range(len(table.cameras)))
+    return any(other != first for other in others)
 
 
 @frozen

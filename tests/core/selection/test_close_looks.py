@@ -21,7 +21,7 @@ from mcsl_core.occlusion.scoring import ScoringSegment, SegmentSamples
 from mcsl_core.progress import Silent
 from mcsl_core.recording.footage import Footage
 from mcsl_core.selection.close_looks import Doubt, doubts, look_closer, unseen_edges, without_doubts
-from mcsl_core.selection.selectors import ShortestPath
+from mcsl_core.selection.selectors import Fixed, ShortestPath
 from mcsl_core.timing import FrameRange
 
 RATE, FRAMES, SIZE = 10, 120, (64, 48)
@@ -94,7 +94,18 @@ def test_of_a_camera_on_air_that_stays_free_no_row_is_kept(footage: Footage) -> 
     table = sampled()
     table.visible[:, 0] = np.where(table.visible[:, 0] > 0.5, 0.6, 0.1)  # somebody goes before cam1, which is no better
     table.frames[-1] = FRAMES - 1
-    assert looked(table, footage, choose=lambda _: [Shot(FrameRange(0, FRAMES), "cam2")]) is table
+
+    def mostly_second(told: ScoreTable) -> list[Shot]:
+        return [Shot(FrameRange(0, FRAMES), "cam2" if np.nanmax(told.visible[:, 1]) > 0 else "cam1")]
+
+    assert looked(table, footage, choose=mostly_second) is table
+
+
+def test_of_a_choice_that_minds_no_scores_nothing_is_looked_at(footage: Footage) -> None:
+    """But at the edges, which belong to the scores themselves."""
+    fixed = Fixed(camera="cam1")
+    found = looked(sampled(), footage, choose=lambda t: fixed.select(t, frames=FRAMES, rate=Fraction(RATE)))
+    assert between(found) == [119]
 
 
 def test_it_is_looked_again_where_the_programme_chosen_anew_is_in_doubt() -> None:
@@ -214,5 +225,8 @@ def test_doubts_rise_from_sample_to_sample_and_looking_ends(seed: int, step: int
         at = [n for stretch in stretches for n in range(stretch.start, stretch.stop, step)]
         return {n: (rng.random(len(names)), np.ones(len(names), bool)) for n in at}
 
-    closer = without_doubts(table, lambda _: shots, look, step, change)
+    last = int(frames[-1]) + 9
+    closer = without_doubts(
+        table, lambda t: ShortestPath().select(t, frames=last, rate=Fraction(10)), look, step, change
+    )
     assert set(frames.tolist()) <= set(closer.frames.tolist())
