@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from benchmarks.stability import WIDTH, low_frequencies, stability
+from benchmarks.stability import STABILISERS, WIDTH, ffmpeg, low_frequencies, stabilised, stability
 
 SIZE = (480, 270)
 
@@ -53,3 +53,26 @@ def test_smooth_ways_have_low_frequencies() -> None:
     assert low_frequencies(np.sin(2 * np.pi * 2 * n / 40)) == pytest.approx(1)
     assert low_frequencies(np.sin(2 * np.pi * 15 * n / 40)) == pytest.approx(0)
     assert low_frequencies(np.zeros(40)) == 1
+
+
+def test_vidstab_as_a_standing_camera_holds_a_film_and_shows_black() -> None:
+    """Its border, which is not black by itself, is no picture: all of the way is black at the end."""
+    try:
+        ffmpeg()
+    except SystemExit as missing:
+        pytest.skip(str(missing))
+    own = film([(4.0 * min(max(n - 10, 0), 15), 0.0) for n in range(35)])
+    held = stabilised(own, *STABILISERS["vid.stab, static"])
+    assert len(held) == len(own)
+    assert stability(held).drift < 0.1 * stability(own).drift
+    assert stability(held[-5:]).black == pytest.approx(60 / SIZE[0], abs=0.005)
+    assert stability(held[:5]).black == pytest.approx(0, abs=0.001)
+
+
+def test_settings_that_vidstab_does_not_follow_are_told() -> None:
+    try:
+        ffmpeg()
+    except SystemExit as missing:
+        pytest.skip(str(missing))
+    with pytest.raises(SystemExit, match="zoom budget"):
+        stabilised(film([(0, 0)] * 5), "", "optzoom=0")
