@@ -21,6 +21,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.accuracy import RESULTS, table
 from benchmarks.ideal_distance import distance
 from mcsl_core import edl
 from mcsl_core.compositing.camera_warper import CameraWarper
@@ -34,7 +35,6 @@ from mcsl_core.recording.footage import Footage
 from mcsl_core.simulation import Truth, load_truth
 from mcsl_core.timing import FrameRange
 
-RESULTS = Path(__file__).parent / "results"
 GOAL = 6.0  # dB
 FREE = 0.97  # of its field that a camera must see past the scene's own heads
 LASTS, EVERY = 30, 6  # frames that a head stays; frames that are judged
@@ -148,12 +148,13 @@ def page(rows: Sequence[tuple[str, str, FrameRange, NDArray[np.float64]]]) -> st
         f"**{(gains >= GOAL).sum()} of {len(gains)} heads are at least {GOAL:.0f} dB nearer; {np.median(gains):+.1f} "
         f"dB in the median, {np.mean(gains):+.1f} in the mean, {gains.min():+.1f} at worst.** Where nobody is sure to "
         "see the field under a head, the head stays: 0 dB.\n",
-        f"| {' | '.join(heads)} |",
-        f"|{'---|' * len(heads)}",
+        table(heads, [(*at, *_cells(*values)) for *at, values in rows]),
     ]
-    for name, camera, piece, (plain, seen, changed, rest) in rows:
-        lines.append(f"| {name} | {camera} | {piece} | {plain:.1f} | {seen:.1f} | {changed:.2%} | {rest:.1f} |")
     return "\n".join(lines) + "\n"
+
+
+def _cells(plain: float, seen: float, changed: float, rest: float) -> tuple[str, ...]:
+    return f"{plain:.1f}", f"{seen:.1f}", f"{changed:.2%}", f"{rest:.1f}"
 
 
 def main(arguments: Sequence[str]) -> None:

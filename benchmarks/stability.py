@@ -36,6 +36,7 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
+from benchmarks.accuracy import RESULTS, table
 from benchmarks.ideal_geometry import in_movements
 from mcsl_core import edl
 from mcsl_core.compositing.compositor import Compositor
@@ -49,7 +50,6 @@ from mcsl_core.timing import FrameRange
 
 Picture = NDArray[np.uint8]  # (H, W, 3) BGR
 
-RESULTS = Path(__file__).parent / "results"
 AROUND_S = 1.0  # before and after a movement
 LOOK = Look(centering=False, fill=False, colour=True, surface=True)
 WIDTH = 960  # pixels that lengths are told in
@@ -247,7 +247,7 @@ class Stretch:
 
 def page(stretches: Sequence[Stretch]) -> str:
     """The tables: means first, then each movement."""
-    heads = " | ".join(("low frequencies", "drift, px", "acceleration, px", "anisotropy", "black", "field, px"))
+    heads = ("low frequencies", "drift, px", "acceleration, px", "anisotropy", "black", "field, px")
     names = ", ".join(dict.fromkeys(stretch.name for stretch in stretches))
     lines = [
         "# Steadiness while the lamp moves\n",
@@ -268,23 +268,22 @@ def page(stretches: Sequence[Stretch]) -> str:
         "sees the stretch alone. Black is not comparable between vid.stab and the programme, which lays pictures in "
         "the reference camera's perspective: this camera fills that only in part, the lamp standing as well.\n",
         f"Means of {len(stretches)} movements:\n",
-        f"|  | {heads} |",
-        "|---|---|---|---|---|---|---|",
+        table(("", *heads), [(row, *_cells(row, stretches)) for row in ROWS]),
+        "",
+        table(
+            ("", "", *heads),
+            [(f"{s.name}, {s.camera}, {s.piece}", row, *_cells(row, [s])) for s in stretches for row in ROWS],
+        ),
     ]
-    lines += [f"| {row} | {_cells(row, stretches)} |" for row in ROWS]
-    lines += ["", f"|  |  | {heads} |", "|---|---|---|---|---|---|---|---|"]
-    for stretch in stretches:
-        where = f"{stretch.name}, {stretch.camera}, {stretch.piece}"
-        lines += [f"| {where} | {row} | {_cells(row, [stretch])} |" for row in ROWS]
     return "\n".join(lines) + "\n"
 
 
-def _cells(row: str, stretches: Sequence[Stretch]) -> str:
+def _cells(row: str, stretches: Sequence[Stretch]) -> tuple[str, ...]:
     values = [attrs.astuple(stretch.found[row]) for stretch in stretches]
     low, drift, acceleration, anisotropy, black = np.mean(values, axis=0)
     shifts = [v for stretch in stretches if not math.isnan(v := stretch.shift.get(row, math.nan))]
     field = f"{np.mean(shifts):.1f}" if shifts else "–"
-    return f"{low:.2f} | {drift:.1f} | {acceleration:.1f} | {anisotropy:.3f} | {black:.1%} | {field}"
+    return f"{low:.2f}", f"{drift:.1f}", f"{acceleration:.1f}", f"{anisotropy:.3f}", f"{black:.1%}", field
 
 
 def measured(folder: Path, name: str) -> Iterator[Stretch]:

@@ -33,6 +33,9 @@ if TYPE_CHECKING:  # they import scipy and OpenCV, and bars must not wait for th
     from mcsl_core.hooks.registry import Offer
 
 
+_TOLD = 0.005  # of the field: a smaller share would read 0%
+
+
 class _RateColumn(ProgressColumn):
     """Units a second, as the rate of the whole stage."""
 
@@ -157,10 +160,11 @@ def seen_through_table(stretches: Sequence[SeenThrough], rate: Fraction) -> Tabl
     """When, how much of the field, and by whom."""
     table = Table(box=None, pad_edge=False, header_style="bold")
     for heading in ("seen through, s", "camera", "field", "at most", "as others see it"):
-        table.add_column(heading, no_wrap=heading != "as others see it")
+        table.add_column(heading, justify="right" if heading in ("field", "at most") else "left")
     for each in stretches:
         span = f"{float(each.range.start / rate):.1f} to {float(each.range.stop / rate):.1f}"
-        by = ", ".join(f"{name} {share:.0%}" for name, share in sorted(each.by.items(), key=lambda item: -item[1]))
+        told = sorted(((share, name) for name, share in each.by.items() if share >= _TOLD), reverse=True)
+        by = ", ".join(f"{name} {share:.0%}" for share, name in told)
         table.add_row(span, each.camera, f"{each.share:.0%}", f"{each.most:.0%}", by)
     return table
 

@@ -22,7 +22,7 @@ from mcsl_core.timing import FrameRange
 
 from .results import SeenThrough
 
-LOOK_S = 0.5  # from one look to the next
+_LOOK_S = 0.5  # from one look to the next
 _LEAST = 0.005  # of the field: less is not told
 
 
@@ -44,7 +44,7 @@ def seen_through(edl: Edl, base: Path, progress: Progress) -> tuple[SeenThrough,
         In order; empty, and nothing decoded, where nothing is to be seen through.
     """
     parts = [(part, d.camera) for part, d, i in resolve_by_pose(edl) if sees_through(edl.poses[i], d)]
-    step = max(1, round(LOOK_S * edl.rate))
+    step = max(1, round(_LOOK_S * edl.rate))
     looks = [(part, camera, range(part.start, part.stop, step)) for part, camera in parts]
     if not looks:
         return ()

@@ -113,8 +113,8 @@ class PosePlacer:
         """Places what is not known of a perspective's poses, changing ``known`` and ``placed``."""
         by_pictures = {i for i, standing in known.items() if self.reference not in standing.refused}
         for i, standing in known.items():
-            if standing.refused:
-                standing = known[i] = self._without_refused(standing)
+            if standing.refused and (anew := self._without_refused(standing)) is not None:
+                standing = known[i] = anew
                 placed[i] = standing.pose
                 names = ", ".join(standing.refused)
                 progress.note(f"frames {placed[i].pose.range}: {names} placed as the lamp holds them, not as tied")
@@ -184,10 +184,10 @@ class PosePlacer:
         found = self._over(known, projections, pose)
         return None if found is None else attrs.evolve(found, view=view)
 
-    def _without_refused(self, standing: StandingPose) -> StandingPose:
+    def _without_refused(self, standing: StandingPose) -> StandingPose | None:
         """The pose laid by its own relief with the refused cameras as the lamp holds them, the reference, too."""
         found = self._over(standing, standing.projections, standing.pose)
-        return standing if found is None else attrs.evolve(found, view=standing.view, refused=standing.refused)
+        return None if found is None else attrs.evolve(found, view=standing.view, refused=standing.refused)
 
     def _over(self, known: StandingPose, projections: Mapping[str, Array], pose: SolvedPose) -> StandingPose | None:
         """The pose with its cameras so, over the known one's relief; None where its field is lost."""

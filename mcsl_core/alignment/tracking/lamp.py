@@ -32,7 +32,7 @@ _MOST_OFF = 4.0 / 960  # of the width, median: what fits no better is no rigid r
 # Of the width, the median of the worst camera of a pose: 14 recordings whose cameras lie right have 0.07 to 1.15 of
 # 960, those with one that is off by about 10 have 6 and 9.
 _RIGID = 2.0 / 960
-_CLEARER = 3.0  # times that, without a camera of another pose; 724 has 10 and more
+_CLEARER = 3.0  # times that, without that camera of another pose; 724 has 7, 728 has 18
 _NOISE = 0.1 / 960  # of it
 _TRIES = 8  # of cameras that may be off, the most suspect first
 _KEPT = 3  # cameras of a pose that one of them is left out of
