@@ -191,7 +191,7 @@ def use_toml(path: Path) -> None:
 
 def use_figures(path: Path) -> None:
     evaluation = load_evaluation(path)
-    steady_facts(evaluation)
+    steady_facts(evaluation, Fraction(30))
     figures_csv(evaluation), figures_json(evaluation)
 
 
