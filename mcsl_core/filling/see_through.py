@@ -7,9 +7,10 @@ matched.
    agree and a camera's median does not, something stands in its way all the time (a head that stays through the whole
    median): there the others' medians take the place of its own.
 2. **What is changed.** Where a live picture differs from that, somebody is there: hand, instrument or head.
-3. **What is above.** A camera that shows verified field, unchanged, looks through free air down to it. Where free air
-   of other cameras covers a ray from the relief to hand height, what is seen along it stands higher. Where another
-   camera shows, somewhere along the ray up to there, something changed of the same colour, it may be a hand, and stays.
+3. **What is above.** A camera that shows verified field, unchanged, looks through free air down to it; so do two that
+   show the same there now. Where free air of other cameras covers a ray from the relief to hand height, what is seen
+   along it stands higher. Where another camera shows, somewhere along the ray up to there, something changed of the
+   same colour, it may be a hand, and stays.
 4. **What is large.** A head is: regions of such cells that are small, narrow or hardly crossed by free air stay.
 """
 
@@ -25,28 +26,29 @@ from numpy.typing import NDArray
 from mcsl_core.imaging.planes import U8
 from mcsl_core.lru_cache import kept
 
+from .agreement import (
+    CORRELATED,
+    Contradicted,
+    agreement,
+    closed_agreement,
+    codes,
+    contradicted,
+    correlation,
+    levelled,
+    mean,
+    ramp,
+)
 from .visual_hull import Cells, Index, Rays, taken
 
-VERSION = 1  # rises when the same frames come out differently: conformed chunks are then made again
-_CHROMA = 1.5  # weight of a code of chroma against one of luma
-_SAME = (8.0, 16.0)  # codes between two cameras' medians: the same, no longer surely
-_ANOTHER = (14.0, 24.0)  # codes: hardly the same any more, another thing; towards the edges a picture is darker
-_ALSO = (0.4, 0.7)  # correlation of what is the same by its codes
-_CORRELATED, _WINDOW, _FLAT = 0.8, 9, 3.0  # luma that goes up and down alike, over so many cells; codes
+VERSION = 2  # rises when the same frames come out differently: conformed chunks are then made again
 _SHARED = 15  # cells: gaps that are closed of what two cameras show now
-_AROUND = 7  # cells: of what is verified together
-_VERIFIED = (0.45, 0.7)  # share of them that must be the same: nothing verified, all
-_FINER = (1.2, 1.6)  # times as much detail: as fine, finer
-_GAPS = 25  # cells: what is verified all about such a gap is the field with a hand over it
 _CHANGED = (8.0, 20.0)  # codes: noise, somebody
-_BLACK = 16  # of luma
-_MOST_GAIN, _BINS = 0.4, 40  # of exposure, natural logarithm; votes for it are counted in such bins
-_ALL_BUT = 0.3  # of a picture that must share the gain: heads cover the rest
 _ALIKE = (12.0, 26.0)  # codes between two cameras' live pictures: the same thing, another one
 _THIN, _GAP, _BAY = 7, 5, 21  # cells: a region narrower than that is no head; gaps and bays that are closed
 _LEAST = 0.025  # of the picture: a smaller region is no head; what was cut of a resting hand was 0.016
 _SOLID = 0.75  # of a region that changed: 0.81 to 1 of heads, 0.67 of a hand that had moved a little
-_FREE = 0.15  # of a region that free air crosses for certain
+# Of a region that free air crosses for certain: so much of 67 of 74 heads on the tuning seeds, of hands nothing.
+_FREE = 0.01
 _RIM = 5  # cells: a head's blurred outline lies within two of what is found of it
 
 
@@ -86,112 +88,22 @@ def backgrounds(medians: Mapping[str, Cells], rays: Mapping[str, Rays]) -> dict[
         Of each of these cameras.
     """
     laid = {name: taken(cells, rays[name].own, np.nan) for name, cells in medians.items()}
-    exact = _verified(laid)
-    side = np.ones((_GAPS, _GAPS), np.uint8)
-    closed = {n: np.asarray(cv2.morphologyEx(v, cv2.MORPH_CLOSE, side), np.float32) for n, v in exact.items()}
-    about = _undoubted(closed, {name: _detail(cells[..., 0]) for name, cells in laid.items()})
+    exact = agreement(laid)
+    about = closed_agreement(exact, laid)
+    against = contradicted(laid, exact, about) if len(laid) > 2 else {}
     found = {}
     for name, median in medians.items():
-        others = [other for other in medians if other != name]
         back = rays[name].programme
         verified = taken(about[name], back)
         bare = taken(np.minimum(about[name], exact[name]), back)
-        if len(others) < 2:
+        if name not in against:
             found[name] = Background(median, verified, bare, np.zeros_like(verified), median)
             continue
-        weights = np.stack([(exact[o] + 0.3 * about[o]) ** 2 for o in others]) + 1e-6
-        theirs = (np.nan_to_num(np.stack([laid[o] for o in others])) * weights[..., None]).sum(0)
-        theirs /= weights.sum(0)[..., None]
-        agreed = np.sort(np.stack([about[o] for o in others]), axis=0)[-2]  # two of them at least
-        another = _ramp(_apart(laid[name], theirs), *_ANOTHER)
-        hidden = taken(_ramp(agreed * (1 - about[name]) * another, 0.2, 0.8), back)
-        shown = median + hidden[..., None] * (taken(theirs.astype(np.float32), back) - median)
+        stands, theirs = against[name]
+        hidden = taken(stands, back)
+        shown = median + hidden[..., None] * (taken(theirs, back) - median)
         found[name] = Background(shown.astype(np.float32), verified, bare, hidden, median)
     return found
-
-
-def _undoubted(verified: Mapping[str, Cells], detail: Mapping[str, Cells]) -> dict[str, Cells]:
-    """What is verified, but where a camera that contradicts shows more detail: then it may be the only one to see."""
-    found = {}
-    for name, own in verified.items():
-        doubt = np.zeros_like(own)
-        for other in verified:
-            if other != name:
-                more = _ramp(np.asarray(detail[other] / (detail[name] + 0.1), np.float32), *_FINER)
-                doubt = np.maximum(doubt, more * (1 - verified[other]))
-        found[name] = np.asarray(own * (1 - doubt), np.float32)
-    return found
-
-
-def _detail(luma: Cells) -> Cells:
-    """Codes of fine structure, in the surroundings; heads are before the focus."""
-    inside = (~np.isnan(luma)).astype(np.float32)
-    luma = np.nan_to_num(luma)
-    fine = np.asarray(np.abs(luma - _mean(luma, 3)) * _eroded(inside), np.float32)
-    return np.asarray(inside * _mean(fine, _GAPS) / np.maximum(_mean(_eroded(inside), _GAPS), 0.1), np.float32)
-
-
-def _verified(laid: Mapping[str, Cells]) -> dict[str, Cells]:
-    """By camera and cell of the programme, 0..1: whether another camera's median shows the same, near by as well."""
-    names = list(laid)
-    found = {name: np.zeros(cells.shape[:2], np.float32) for name, cells in laid.items()}
-    inside = {name: (~np.isnan(cells[..., 0])).astype(np.float32) for name, cells in laid.items()}
-    for i, a in enumerate(names):
-        for b in names[:i]:
-            both = inside[a] * inside[b]
-            alike = _ramp(_apart(laid[a], laid[b]), *_SAME[::-1])
-            correlation, told = _correlation(laid[a][..., 0], laid[b][..., 0])
-            told = np.asarray(told * both, np.float32)
-            same = np.asarray(alike * told * _ramp(correlation, *_ALSO), np.float32)
-            known = _mean(told, _AROUND)
-            share = np.asarray(both * _mean(same, _AROUND) / np.maximum(known, 0.02), np.float32)
-            share = np.asarray(_ramp(share, *_VERIFIED) * _ramp(known, 0.03, 0.1), np.float32)
-            found[a], found[b] = np.maximum(found[a], share), np.maximum(found[b], share)
-    return found
-
-
-def _apart(a: Cells, b: Cells) -> Cells:
-    """Codes by which two pictures differ in the mean of 3 x 3 cells, laid over each other to a cell."""
-    found = np.full(a.shape[:2], np.inf, np.float32)
-    for dy in (-1, 0, 1):
-        for dx in (-1, 0, 1):
-            codes = np.nan_to_num(_codes(a - np.roll(b, (dy, dx), (0, 1))), nan=99.0)
-            found = np.minimum(found, _mean(codes, 3))
-    return found
-
-
-def _correlation(a: Cells, b: Cells) -> tuple[Cells, Cells]:
-    """-1..1: the local correlation of two luma pictures, whatever their exposure; and where either is not flat, 0 or 1.
-
-    Two caps of one colour, before two cameras, are alike anywhere, but their folds go up and down each in its own way.
-    """
-    inside = (~(np.isnan(a) | np.isnan(b))).astype(np.float32)
-    share = np.maximum(_mean(inside, _WINDOW), 1e-3)
-    a, b = (np.asarray(_mean(np.nan_to_num(each), 3) * inside, np.float32) for each in (a, b))
-    mean_a, mean_b = _mean(a, _WINDOW) / share, _mean(b, _WINDOW) / share
-    var_a = np.maximum(_mean(a * a, _WINDOW) / share - mean_a**2, 0)
-    var_b = np.maximum(_mean(b * b, _WINDOW) / share - mean_b**2, 0)
-    both = _mean(a * b, _WINDOW) / share - mean_a * mean_b
-    seen = share > 0.5
-    sure = seen & (var_a * var_b > _FLAT**4)
-    found = np.where(sure, both / np.sqrt(np.maximum(var_a * var_b, 1e-6)), 0)
-    return found.astype(np.float32), (seen & (np.maximum(var_a, var_b) > _FLAT**2)).astype(np.float32)
-
-
-def _levelled(cells: Cells, shown: Cells) -> Cells:
-    """A live picture at the exposure of its background: by one gain that most cells share, where they share one."""
-    light, usual = cells[..., 0] - _BLACK, shown[..., 0] - _BLACK
-    known = (np.minimum(light, usual) > 12) & (np.maximum(light, usual) < 210)
-    logs = np.log(usual[known] / light[known])
-    votes, edges = np.histogram(logs, _BINS, (-_MOST_GAIN, _MOST_GAIN))
-    near = np.convolve(votes, np.ones(5), "same")
-    best = int(near.argmax())
-    if near[best] <= _ALL_BUT * known.sum():  # none at all of a black picture
-        return cells
-    middle = (edges[best] + edges[best + 1]) / 2
-    gain = np.exp(np.median(logs[np.abs(logs - middle) < 5 * (edges[1] - edges[0]) / 2]))
-    dark = np.array([_BLACK, 128, 128], np.float32)
-    return np.asarray((cells - dark) * np.float32(gain) + dark, np.float32)
 
 
 @frozen(eq=False, slots=False)
@@ -219,26 +131,37 @@ class Moment:
     @classmethod
     def of(cls, live: Mapping[str, Cells], behind: Mapping[str, Background], rays: Mapping[str, Rays]) -> Moment:
         """What the cameras show, against what they show where nobody is."""
-        level = {name: _levelled(cells, behind[name].shown) for name, cells in live.items()}
-        changed = {name: _ramp(_codes(cells - behind[name].shown), *_CHANGED) for name, cells in level.items()}
+        level = {name: levelled(cells, behind[name].shown) for name, cells in live.items()}
+        changed = {name: ramp(codes(cells - behind[name].shown), *_CHANGED) for name, cells in level.items()}
         return cls(live, level, changed, behind, rays)
 
     @kept
     def changed_in_programme(self, camera: str) -> Cells:
-        """(rows, columns), 0..1, by cell of the programme; 0 where another camera shows the same now, at the relief.
+        """(rows, columns), 0..1, by cell of the programme: `changed`, but by what the others show now.
 
-        So a camera that has come out of a head's shade is not taken for one under it, whatever its colours.
+        0 where another camera shows the same: so a camera that has come out of a head's shade is not taken for one
+        under it, whatever its colours. 1 where two others agree and it shows another thing: so one whose medians show
+        nothing but a head is not taken for free.
         """
         own = self.rays[camera].own
         luma = taken(self.live[camera][..., 0], own, np.nan)
-        same = np.zeros(own.shape, np.float32)
+        same = self._agreed()[camera] > 0.5
         for name in self.live:
             if name != camera:
                 theirs = taken(self.live[name][..., 0], self.rays[name].own, np.nan)
-                same = np.maximum(same, _correlation(luma, theirs)[0])
-        shared = cv2.morphologyEx((same > _CORRELATED).astype(np.uint8), cv2.MORPH_OPEN, _disc(_GAP))
+                same |= correlation(luma, theirs)[0] > CORRELATED
+        shared = cv2.morphologyEx(same.astype(np.uint8), cv2.MORPH_OPEN, _disc(_GAP))
         shared = cv2.morphologyEx(shared, cv2.MORPH_CLOSE, _disc(_SHARED))
-        return np.where(shared > 0, 0, taken(self.changed[camera], own)).astype(np.float32)
+        changed = np.where(shared > 0, 0, taken(self.changed[camera], own)).astype(np.float32)
+        return np.maximum(changed, self._contradicted()[camera][0])
+
+    def clear(self, camera: str) -> Cells:
+        """(rows, columns), 0..1, by cell of the programme: whether a camera shows the field, or hands at work on it.
+
+        It shows what another one shows as well, now or most of the time.
+        """
+        usually = taken(self.behind[camera].verified, self.rays[camera].own)
+        return np.maximum(usually, self._agreed_about()[camera])
 
     def above(self, camera: str) -> Cells:
         """Where a camera shows something that stands higher than hands.
@@ -274,6 +197,23 @@ class Moment:
         return np.asarray(cv2.dilate(_filled(found), _disc(_RIM)), np.float32)
 
     @kept
+    def _laid(self) -> Mapping[str, Cells]:
+        return {name: taken(cells, self.rays[name].own, np.nan) for name, cells in self.level.items()}
+
+    @kept
+    def _agreed(self) -> Mapping[str, Cells]:
+        """By camera: where another one shows the same now. Heads may stand in all medians of a short pose."""
+        return agreement(self._laid())
+
+    @kept
+    def _agreed_about(self) -> Mapping[str, Cells]:
+        return closed_agreement(self._agreed(), self._laid())
+
+    @kept
+    def _contradicted(self) -> Contradicted:
+        return contradicted(self._laid(), self._agreed(), self._agreed_about())
+
+    @kept
     def _through(self, camera: str) -> Cells:
         """0..1 by cell of the programme: whether free air covers the ray on which the camera sees somebody."""
         return np.asarray(self.changed_in_programme(camera) * self._free(camera).max(axis=0).min(axis=0), np.float32)
@@ -285,7 +225,8 @@ class Moment:
         for name, cells in self.rays[camera].along.items():
             if name in self.changed:
                 near = np.asarray(cv2.dilate(self.changed[name], np.ones((3, 3), np.uint8)), np.float32)
-                found.append(taken((1 - near) * self.behind[name].bare, cells))
+                now = taken(self._agreed()[name], self.rays[name].programme)
+                found.append(taken(np.maximum((1 - near) * self.behind[name].bare, now), cells))
         return np.stack(found)
 
     def _stays(self, camera: str, free: Cells, where: np.ndarray) -> Cells:
@@ -294,22 +235,22 @@ class Moment:
         first, second = np.zeros_like(free[0]), np.zeros_like(free[0])  # (heights, N)
         for each in free:
             first, second = np.maximum(first, each), np.maximum(second, np.minimum(first, each))
-        own = taken(_mean(self.level[camera], 3), rays.own[where])
+        own = taken(mean(self.level[camera], 3), rays.own[where])
         alike = np.zeros_like(second)
         for name, cells in rays.along.items():
             if name not in self.live:
                 continue
             at = cells[:, where]
-            apart = _nearest(own, _mean(self.level[name], 3), at)
+            apart = _nearest(own, mean(self.level[name], 3), at)
             somebody = taken(self._trusted(name), at)
-            alike = np.maximum(alike, _ramp(apart, *_ALIKE[::-1]) * somebody)
+            alike = np.maximum(alike, ramp(apart, *_ALIKE[::-1]) * somebody)
         return (alike * (1 - second)).max(axis=0)
 
     @kept
     def _trusted(self, name: str) -> Cells:
         """Who moves in a camera's picture, but for who is above for certain or stands in its way all the time."""
         behind = self.behind[name]
-        stands = behind.hidden * (1 - _ramp(_codes(self.level[name] - behind.median), *_CHANGED))
+        stands = behind.hidden * (1 - ramp(codes(self.level[name] - behind.median), *_CHANGED))
         certain = _closed((self._through(name) > 0.5).astype(np.uint8)).astype(np.float32)
         stands = np.maximum(stands, taken(certain, self.rays[name].programme))
         return _dilated(np.asarray(self.changed[name] * (1 - stands), np.float32))
@@ -347,24 +288,6 @@ def _filled(mask: U8) -> U8:
     return np.asarray(cv2.drawContours(np.zeros_like(mask), outlines, -1, 1, cv2.FILLED), np.uint8)
 
 
-def _codes(difference: Cells) -> Cells:
-    """The largest of the channels' differences."""
-    y, u, v = (np.abs(difference[..., k]) for k in range(3))  # a third of the time of a maximum over the last axis
-    return np.maximum(y, np.float32(_CHROMA) * np.maximum(u, v))
-
-
-def _ramp(values: Cells, zero: float, one: float) -> Cells:
-    return np.clip((values - zero) / (one - zero), 0, 1).astype(np.float32)
-
-
-def _mean(values: Cells, side: int) -> Cells:
-    return np.asarray(cv2.blur(values, (side, side), borderType=cv2.BORDER_REPLICATE), np.float32)
-
-
-def _eroded(values: Cells) -> Cells:
-    return np.asarray(cv2.erode(values, np.ones((3, 3), np.uint8)), np.float32)
-
-
 def _dilated(values: Cells) -> Cells:
     return np.asarray(cv2.dilate(values, np.ones((3, 3), np.uint8)), np.float32)
 
@@ -376,7 +299,7 @@ def _nearest(own: Cells, cells: Cells, at: Index) -> Cells:
     found = np.full(at.shape, 99.0, np.float32)
     for dy, dx in ((1, 1), (0, 1), (2, 1), (1, 0), (1, 2)):
         near = np.asarray(wide[dy : dy + rows, dx : dx + columns], np.float32)
-        found = np.minimum(found, _codes(taken(near, at, 999.0) - own))
+        found = np.minimum(found, codes(taken(near, at, 999.0) - own))
     return found
 
 

@@ -60,6 +60,18 @@ def test_a_head_that_stays_all_the_time_is_seen_through_as_well():
     assert psnr(one(programme("cam1"), film, 50).y, without.y, inside(90)) > 28
 
 
+def test_two_cameras_that_come_out_of_the_shade_of_heads_are_believed_at_once():
+    """All medians but one show heads: what the field looks like, only pictures of now tell."""
+
+    def until_now(camera: str) -> Thing:
+        at = above(camera, MIDDLE, HEAD)
+        return Thing(HEAD, lambda frame: at if frame < 50 else None, 50, CAP)
+
+    film = Filmed([head("cam1", since=0), *(until_now(camera) for camera in ("cam2", "cam3", "cam4"))])
+    without = one(programme("cam1"), Filmed([]), 56)
+    assert psnr(one(programme("cam1"), film, 56).y, without.y, inside(40)) > 28
+
+
 def test_a_hand_stays_to_the_last_pixel():
     film = Filmed([Thing(HAND, hand, 35, GLOVE)])
     for camera in ("cam1", "cam3"):
