@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from mcsl_core.edl import IDENTITY, Camera, Edl, Look, Media, Pose, Relief, Shot
 from mcsl_core.imaging.geometry import to_edl_matrix, to_edl_projection
 from mcsl_core.imaging.planes import Planes, bgr_to_planes, median_planes
+from mcsl_core.media.writing import VideoWriter
 from mcsl_core.timing import FrameRange
 
 SIZE, RATE, FRAMES = (320, 180), Fraction(10), 70
@@ -147,3 +149,12 @@ def programme(camera: str, *, see_through: bool = True, **changes) -> Edl:
         **changes,
     }
     return Edl(rate=RATE, size=SIZE, frames=FRAMES, reference="cam1", **values)
+
+
+def write_films(film: Filmed, folder: Path) -> Path:
+    """The film as a file of every camera, as `programme` names them."""
+    for name in CAMERAS:
+        with VideoWriter(folder / f"{name}.mp4", size=SIZE, rate=RATE) as writer:
+            for frame in range(FRAMES):
+                writer.write(film.picture(name, frame))
+    return folder

@@ -15,16 +15,18 @@ from mcsl_core.blender import installation as blenders
 from mcsl_core.blender import render as rendering
 from mcsl_core.blender.timeline import build_timeline
 from mcsl_core.edl import Edl
+from mcsl_core.edl.placement import still_range
 from mcsl_core.errors import InputError
 from mcsl_core.hooks.registry import discover
 from mcsl_core.outputs.claim import claim, claim_folder
 from mcsl_core.outputs.inputs import inputs_of
 from mcsl_core.outputs.manifest import Manifest
 from mcsl_core.progress import Progress
-from mcsl_core.report.contact_sheet import contact_sheet, movement_sheet, save_picture
+from mcsl_core.report.contact_sheet import contact_sheet, head_sheet, movement_sheet, save_picture
 from mcsl_core.simulation import Scenario, Truth, alignment_error, best_plane_error, simulate
 
 DURATION_S = 40.0
+FREE, COVERED = 0.9, (0.1, 0.7)  # shares of the field that others see, and who has a head before it
 
 
 @frozen
@@ -47,8 +49,8 @@ def run_demo(folder: Path, *, seed: int, blender: str | None, force: bool = Fals
     desk, plugins = blenders.find(blender), discover()  # what is broken is said before the long work
     recording, edl_path = folder / "recording", folder / "edl.json"
     blend, video, sheet = folder / "edit.blend", folder / "programme.mp4", folder / "contact-sheet.png"
-    moving = folder / "movement-sheet.png"
-    for file in (blend, video, sheet, moving):
+    moving, covered = folder / "movement-sheet.png", folder / "head-sheet.png"
+    for file in (blend, video, sheet, moving, covered):
         claim(file, manifest=Manifest.beside(edl_path), force=force)
     scenario = Scenario(seed=seed, duration_s=DURATION_S, movements=1)
     truth = simulate(scenario, recording, progress, force=force)
@@ -59,7 +61,10 @@ def run_demo(folder: Path, *, seed: int, blender: str | None, force: bool = Fals
     pictures = {sheet: contact_sheet(made, folder, middles[:3])}
     if made.movements:
         pictures[moving] = movement_sheet(made, folder, made.movements[0])
+    if heads := covered_moments(truth, made):
+        pictures[covered] = head_sheet(made, folder, heads)
     moving.unlink(missing_ok=True)
+    covered.unlink(missing_ok=True)
     for file, picture in pictures.items():
         out = claim(file, inputs=inputs_of(made, edl_path), manifest=Manifest.beside(edl_path), force=force)
         with out.writing() as part:
@@ -71,7 +76,8 @@ def run_demo(folder: Path, *, seed: int, blender: str | None, force: bool = Fals
         "timeline": blend,
         "video": video,
         "contact_sheet": sheet,
-    } | ({"movement_sheet": moving} if moving in pictures else {})
+    }
+    places |= {name: at for name, at in (("movement_sheet", moving), ("head_sheet", covered)) if at in pictures}
     values = {k: str(v) for k, v in places.items()} | summary(made) | {"alignment": errors}
     return Demo(values, _text(places, made, truth, errors))
 
@@ -80,6 +86,23 @@ def _is_free(folder: Path) -> bool:
     """Whether nothing lies there but what a demo leaves that was stopped while it simulated: an empty recording."""
     inside = list(folder.iterdir()) if folder.exists() else []
     return all(p.name == "recording" and p.is_dir() and all(q.name[0] == "." for q in p.iterdir()) for p in inside)
+
+
+def covered_moments(truth: Truth, made: Edl, most: int = 3) -> list[tuple[int, str]]:
+    """Programme frames and cameras with a head before the field that two others see, by the truth; one a camera.
+
+    The most covered first; not where the lamp moves, nor where a camera sees nothing of the field.
+    """
+    seen = truth.visible_field_without_hands[: made.frames]
+    found: dict[str, tuple[float, int]] = {}
+    for pose in made.poses:
+        still = still_range(made, pose)
+        for frame in range(still.start, min(still.stop, len(seen)), max(1, round(made.rate / 2))):
+            for camera in pose.relief.projections if pose.relief else ():
+                share = float(seen[frame, truth.camera_index(camera)])
+                if (seen[frame] > FREE).sum() >= 2 and COVERED[0] < share < COVERED[1]:
+                    found[camera] = min(found.get(camera, (1.0, 0)), (share, frame))
+    return [(frame, camera) for camera, (_, frame) in sorted(found.items(), key=lambda each: each[1])[:most]]
 
 
 def alignment_errors(truth: Truth, made: Edl) -> list[dict[str, Any]]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.documents import write_atomic
-from mcsl_core.edl import Edl, Movement
+from mcsl_core.edl import Edl, Movement, Override
 from mcsl_core.edl.movement import unfollowed
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.imaging.lettering import write_text
@@ -98,6 +98,40 @@ def movement_sheet(edl: Edl, base: Path, movement: Movement, *, columns: int = 5
             _cross(picture)
             _label(picture, f"{format_time(frame / edl.rate)}  {name}", 0.4)
             row.append(picture)
+    return _sheet(rows, width)
+
+
+def head_sheet(edl: Edl, base: Path, moments: Sequence[tuple[int, str]], *, width: int = 1600) -> Picture:
+    """Cameras with a head before them: what each shows, the programme that shows it, the programme that sees through.
+
+    Parameters
+    ----------
+    edl : Edl
+        The programme.
+    base : Path
+        The folder that media paths are relative to.
+    moments : sequence of (int, str)
+        Programme frames, and the camera that is shown in each, whichever is chosen there.
+    width : int
+        Of the sheet, in pixels.
+
+    Returns
+    -------
+    (H, width, 3) uint8
+        BGR; a row each.
+    """
+    footage = Footage(edl.cameras, rate=edl.rate, frames=edl.frames, base=base)
+    column = (width - 4 * GAP) // 3
+    rows = []
+    for frame, camera in moments:
+        shown = attrs.evolve(edl, overrides=(Override(FrameRange(0, edl.frames), camera=camera),))
+        row = [_thumbnail(footage, camera, frame, column, chosen=False)]
+        for name, through in (("as it is", False), ("seen through", True)):
+            look = attrs.evolve(edl.look, centering=False, surface=True, see_through=through)
+            picture = _programme(Compositor(shown, footage, look=look), frame, column)
+            _label(picture, f"{format_time(frame / edl.rate)}  {name}", 0.4)
+            row.append(picture)
+        rows.append(row)
     return _sheet(rows, width)
 
 

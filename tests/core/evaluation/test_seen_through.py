@@ -8,14 +8,13 @@ import attrs
 import numpy as np
 import peopled_scene as scene
 import pytest
-from peopled_scene import HEAD, Filmed, Thing, above, programme
+from peopled_scene import HEAD, Filmed, Thing, above, programme, write_films
 
 from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.edl import Edl, FieldStretch
 from mcsl_core.evaluation.evaluate import evaluate
 from mcsl_core.evaluation.results import SeenThrough, load_evaluation, to_json
 from mcsl_core.evaluation.seen_through import seen_through
-from mcsl_core.media.writing import VideoWriter
 from mcsl_core.progress import Silent
 from mcsl_core.recording.footage import Footage
 from mcsl_core.report.steady import steady_facts
@@ -28,14 +27,9 @@ FIELD = ((100.0, 50.0), (220.0, 50.0), (220.0, 130.0), (100.0, 130.0))
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Films of a field before which a head comes, for the first camera alone."""
-    made = tmp_path_factory.mktemp("films")
     at = above("cam1", (0.0, 0.0), HEAD)
     film = Filmed([Thing(HEAD, lambda frame: at if frame >= FROM else None, 50, (150, 90, 40))])
-    for name in scene.CAMERAS:
-        with VideoWriter(made / f"{name}.mp4", size=scene.SIZE, rate=scene.RATE) as writer:
-            for frame in range(scene.FRAMES):
-                writer.write(film.picture(name, frame))
-    return made
+    return write_films(film, tmp_path_factory.mktemp("films"))
 
 
 def edl_of(camera: str, **changes) -> Edl:
@@ -60,7 +54,7 @@ def test_a_head_is_told_with_its_time_and_share(folder: Path) -> None:
             pictures.append(next(iter(compositor.frames(FrameRange(50, 51)))).y[50:130, 100:220].astype(int))
     changed = float((np.abs(pictures[0] - pictures[1]) > 6).mean())
     assert 0.1 < changed < 0.95, "or this says nothing"
-    assert found.most == pytest.approx(changed, abs=0.1)
+    assert changed < found.most < 1.25 * changed, "a rim about the head, where nothing changes, is replaced as well"
 
 
 @pytest.mark.parametrize("edl", [edl_of("cam3"), edl_of("cam1", see_through=False)])
