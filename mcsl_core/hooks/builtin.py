@@ -14,7 +14,7 @@ from mcsl_core.movement.paper import DegreeOfMisalignment
 from mcsl_core.movement.stillness import Stillness
 from mcsl_core.occlusion.consensus import Consensus
 from mcsl_core.occlusion.hue_area import HueArea
-from mcsl_core.selection.selectors import Fixed, LeastOccluded, ShortestPath
+from mcsl_core.selection.selectors import Fixed, LeastOccluded, ShortestPath, ThroughHeads
 
 from .specs import hookimpl
 
@@ -51,7 +51,7 @@ def register_occlusion_detectors():
 
 @hookimpl
 def register_selectors():
-    return [ShortestPath(), LeastOccluded(), Fixed()]
+    return [ShortestPath(), ThroughHeads(), LeastOccluded(), Fixed()]
 
 
 @hookimpl

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 from mcsl_core.errors import UsageError
 from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.selection.merits import MERITS
-from mcsl_core.selection.selectors import Fixed, LeastOccluded, ShortestPath, believed, sample_borders
+from mcsl_core.selection.selectors import Fixed, LeastOccluded, ShortestPath, ThroughHeads, believed, sample_borders
 from mcsl_core.selection.worth import ViewingWorth
 from mcsl_core.timing import check_tiles
 
-SELECTORS = [ShortestPath(), LeastOccluded(), Fixed()]
+SELECTORS = [ShortestPath(), ThroughHeads(), LeastOccluded(), Fixed()]
 
 
 @st.composite
@@ -107,6 +107,21 @@ def test_shots_tile_and_neighbours_differ(selector, drawn) -> None:
     check_tiles((s.range for s in shots), frames, "shots")
     assert all(a.camera != b.camera for a, b in pairwise(shots))
     assert all(0 <= s.score <= 1 and s.why for s in shots)
+
+
+def test_a_camera_is_kept_under_a_head_that_is_seen_through() -> None:
+    """Heads cover half of the field of the nearer camera for three seconds in ten; the other one sees it."""
+    head = np.arange(100) % 20 < 6
+    visible = np.column_stack([np.where(head, 0.5, 1.0), np.ones(100)])
+    merits = {"viewpoint": np.tile([1.0, 0.0], (100, 1))}
+    table = ScoreTable(np.arange(100) * 15, ("near", "far"), visible, np.ones((100, 2), bool), merits=merits)
+
+    def cameras(selector: ShortestPath) -> list[str]:
+        return [shot.camera for shot in selector.select(table, frames=1500, rate=Fraction(30))]
+
+    assert "far" in cameras(ShortestPath())
+    assert cameras(ThroughHeads(seen_through=1.0)) == ["near"]
+    assert cameras(ThroughHeads(seen_through=0.0)) == cameras(ShortestPath())
 
 
 def test_an_unusable_camera_is_never_chosen_while_another_is_there() -> None:
