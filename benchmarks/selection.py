@@ -224,7 +224,7 @@ def markdown(found: Mapping[str, Sequence[Mapping[str, NDArray]]], seeds: range)
         "point at 0.5 s, chosen on seeds 311 to 316 as the cheapest that stayed under a switch in five seconds with "
         "quick heads (11.7 a minute there; since it is looked where the programme is in doubt 12.8, for 97.0 % of the "
         f"field in place of 95.9 %). Heads seen through: where the look `see_through` shows {THROUGH:.0%} of what "
-        "heads hide and the best camera shows; `through-heads` is the selector that counts on so much.",
+        "heads hide and the best camera shows; `through-heads` is the selector that counts on half.",
         "",
         "![Field seen against switches](../../docs/images/selection.svg)",
     ]
