@@ -7,7 +7,9 @@ flow says the same of in several samples is the patient; hands and heads never a
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence, Set
+from concurrent.futures import ThreadPoolExecutor
 from itertools import combinations
 
 import cv2
@@ -134,16 +136,18 @@ def match_densely(
         return {}
     crop = _Crop.around(area)
     grid = crop.grid(area, settings.grid_px)
-    flow = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
     bound = settings.reach * float(np.hypot(*area.shape))
     pairs = [pair for pair in combinations(cameras, 2) if wanted is None or not wanted.isdisjoint(pair)]
     found: dict[tuple[str, str], list[tuple[Array, NDArray[np.bool_]]]] = {pair: [] for pair in pairs}
-    for sample in range(max((len(camera.pictures) for camera in cameras.values()), default=0)):
-        laid = {name: crop.lay(camera, sample) for name, camera in cameras.items()}
-        for a, b in pairs:
-            first, second = laid[a], laid[b]
-            if first is not None and second is not None:
-                found[a, b].append(_displacement(first, second, grid, flow, bound, settings))
+    with ThreadPoolExecutor(os.cpu_count()) as workers:
+        for sample in range(max((len(camera.pictures) for camera in cameras.values()), default=0)):
+            laid = {n: own for n, camera in cameras.items() if (own := crop.lay(camera, sample)) is not None}
+            both = [(a, b) for a, b in pairs if a in laid and b in laid]
+            displaced = workers.map(
+                lambda pair, laid=laid: _displacement(laid[pair[0]], laid[pair[1]], grid, bound, settings), both
+            )
+            for pair, displacement in zip(both, displaced, strict=True):
+                found[pair].append(displacement)
     matches = {}
     for (a, b), displacements in found.items():
         agreed = _agreed(displacements, grid, settings)
@@ -210,9 +214,10 @@ class _Crop:
 
 
 def _displacement(
-    a: _Laid, b: _Laid, grid: NDArray[np.int64], flow: cv2.DISOpticalFlow, bound: float, settings: DenseSettings
+    a: _Laid, b: _Laid, grid: NDArray[np.int64], bound: float, settings: DenseSettings
 ) -> tuple[Array, NDArray[np.bool_]]:
     """((N, 2) displacement of the grid's points from a to b, NaN where not believed; (N,) field's hue in both)."""
+    flow = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)  # one object is not for many threads
     there = flow.calc(a.grey, b.grey, None)  # pyright: ignore[reportCallIssue, reportArgumentType]
     back = flow.calc(b.grey, a.grey, None)  # pyright: ignore[reportCallIssue, reportArgumentType]
     height, width = a.grey.shape

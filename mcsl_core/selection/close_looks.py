@@ -10,7 +10,9 @@ where no sample lies near. The cost grows with how often heads come and go, not 
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from typing import TypeVar
 
 import attrs
 import numpy as np
@@ -26,6 +28,7 @@ from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.sample_store import SAMPLE_HEIGHT
 from mcsl_core.timing import FrameRange, joined
 
+T = TypeVar("T")
 Choose = Callable[[ScoreTable], Sequence[Shot]]
 Rows = Mapping[int, tuple[NDArray[np.float64], NDArray[np.bool_]]]  # frame -> (visible, usable) of some cameras
 Look = Callable[[Sequence[str], Sequence[FrameRange]], Rows]
@@ -245,16 +248,20 @@ class _Looks:
 
     def at(self, cameras: Sequence[str], stretches: Sequence[FrameRange]) -> Rows:
         """Of these cameras, at the frames of the stretches that lie ``step`` apart."""
-        looks = [look for stretch in stretches for look in self._within(stretch)]
-        if looks:
-            self.progress.stage("Looking closer", sum(len(frames) for _, frames in looks), "frames")
-        rows = {}
-        for segment, frames in looks:
-            pictures = [self.footage.pictures(camera, frames, height=SAMPLE_HEIGHT) for camera in cameras]
-            for together in zip(*pictures, strict=True):
+        segment_of = {n: segment for stretch in stretches for segment, inside in self._within(stretch) for n in inside}
+        if not segment_of:
+            return {}
+        self.progress.stage("Looking closer", len(segment_of), "frames")
+        frames, rows = sorted(segment_of), {}
+        with ThreadPoolExecutor(len(cameras)) as pool:
+            # One decoder a camera for all stretches: to open one for each took a fifth of the time.
+            pictures = [
+                _read_ahead(pool, self.footage.pictures(camera, frames, height=SAMPLE_HEIGHT)) for camera in cameras
+            ]
+            for frame, *together in zip(frames, *pictures, strict=True):
                 shown = {camera: picture for camera, (_, picture) in zip(cameras, together, strict=True)}
-                frame = together[0][0]
                 taken = {name: shown_at(self.footage.camera(name), frame, self.footage.rate) for name in cameras}
+                segment = segment_of[frame]
                 views = segment.views(shown, taken)
                 scores, there = segment.score(views), {view.camera for view in views}
                 visible = np.array([scores.get(camera, np.nan) for camera in cameras])
@@ -268,6 +275,14 @@ class _Looks:
         frames = [n for n in every if not any(n in movement.range for movement in self.held)]
         found = [(segment, [n for n in frames if n in segment.range]) for segment in self.segments]
         return [(segment, inside) for segment, inside in found if inside]
+
+
+def _read_ahead(pool: Executor, items: Iterator[T]) -> Iterator[T]:
+    """The same, each made by a thread while the one before it is used."""
+    coming = pool.submit(next, items, None)
+    while (item := coming.result()) is not None:
+        coming = pool.submit(next, items, None)
+        yield item
 
 
 def _covered(doubt: Doubt, table: ScoreTable, seen: dict[str, dict[int, float]], change: float) -> bool:
