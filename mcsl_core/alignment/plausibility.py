@@ -52,11 +52,11 @@ def implausible(
     return {
         name
         for name, homography in homographies.items()
-        if name != reference and not _lies(homography, sizes[name], sizes[reference])
+        if name != reference and not _is_possible(homography, sizes[name], sizes[reference])
     }
 
 
-def _lies(homography: Homography, size: tuple[int, int], reference: tuple[int, int]) -> bool:
+def _is_possible(homography: Homography, size: tuple[int, int], reference: tuple[int, int]) -> bool:
     x, y = (np.linspace(_MARGIN * n, (1 - _MARGIN) * n, _PLACES) for n in size)
     slopes = _slopes(homography, np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2))
     if slopes is None or np.linalg.det(slopes).min() <= 0:

@@ -98,8 +98,13 @@ class _Recording:
         if relief is None:
             return tied
         laid = with_planes_by_surface(tied, relief)
-        if implausible(laid.aligned.homographies, solver.sizes, solver.reference):
-            return tied  # a surface that says so is of something else: heads were matched
+        if wrong := implausible(laid.aligned.homographies, solver.sizes, solver.reference):
+            # A surface that says so is of something else: heads were matched.
+            cameras = ", ".join(sorted(wrong))
+            progress.note(
+                f"frames {pose.pose.range}: its relief is left out, by which {cameras} would lie as no lamp does"
+            )
+            return tied
         aligned = attrs.evolve(laid.aligned, hands=hand_masks(relief, laid.aligned))
         made = attrs.evolve(laid.pose, relief=relief.document())
         return attrs.evolve(laid, aligned=aligned, pose=made, relief=relief)
