@@ -85,8 +85,8 @@ class ThroughHeads(ShortestPath):
     Attributes
     ----------
     seen_through : float
-        See there. What is measured is 0.8; by ``benchmarks/selection.py`` more than 0.5 saves few switches more, but
-        heads that are not seen through cover the field for longer.
+        See there. What is measured is 0.6 to 0.8; by ``benchmarks/selection.py`` more than 0.5 saves few switches
+        more, but heads that are not seen through cover the field for longer.
     """
 
     seen_through: float = field(default=0.5)
