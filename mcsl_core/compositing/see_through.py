@@ -183,6 +183,8 @@ class SeeThrough:
     def _clear(moment: Moment, camera: str, left: Cells) -> Cells:
         """0..1 by cell of the programme: where the camera shows the field, or hands at work on it."""
         seen = moment.clear(camera) > 0.5
+        if ((left > _TRACE) & ~seen).mean() > _LITTLE:
+            seen = moment.clear_or_hands(camera) > 0.5
         if ((left > _TRACE) & (moment.changed_in_programme(camera) > 0.5)).mean() > _LITTLE:
             seen &= moment.above(camera) < 0.5
         return _blurred(np.asarray(cv2.erode(seen.astype(np.float32), np.ones((5, 5), np.uint8)), np.float32), _SOFT)

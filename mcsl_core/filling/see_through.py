@@ -40,7 +40,7 @@ from .agreement import (
 )
 from .visual_hull import Cells, Index, Rays, taken
 
-VERSION = 2  # rises when the same frames come out differently: conformed chunks are then made again
+VERSION = 3  # rises when the same frames come out differently: conformed chunks are then made again
 _SHARED = 15  # cells: gaps that are closed of what two cameras show now
 _CHANGED = (8.0, 20.0)  # codes: noise, somebody
 _ALIKE = (12.0, 26.0)  # codes between two cameras' live pictures: the same thing, another one
@@ -49,6 +49,7 @@ _LEAST = 0.025  # of the picture: a smaller region is no head; what was cut of a
 _SOLID = 0.75  # of a region that changed: 0.81 to 1 of heads, 0.67 of a hand that had moved a little
 # Of a region that free air crosses for certain: so much of 67 of 74 heads on the tuning seeds, of hands nothing.
 _FREE = 0.01
+_SEAM = 9  # cells: gaps that are closed between the field and hands over it
 _RIM = 5  # cells: a head's blurred outline lies within two of what is found of it
 
 
@@ -156,12 +157,28 @@ class Moment:
         return np.maximum(changed, self._contradicted()[camera][0])
 
     def clear(self, camera: str) -> Cells:
-        """(rows, columns), 0..1, by cell of the programme: whether a camera shows the field, or hands at work on it.
+        """(rows, columns), 0..1, by cell of the programme: whether a camera shows the field.
 
         It shows what another one shows as well, now or most of the time.
         """
         usually = taken(self.behind[camera].verified, self.rays[camera].own)
         return np.maximum(usually, self._agreed_about()[camera])
+
+    @kept
+    def clear_or_hands(self, camera: str) -> Cells:
+        """(rows, columns), 0..1, by cell of the programme: `clear`, or whether it shows hands at work on the field.
+
+        Another camera shows the same then, at a height of hands; heads are higher. At the relief they do not agree, and
+        they may have been there in all medians.
+        """
+        own, found = self._laid()[camera], self.clear(camera)
+        for name, heights in self.rays[camera].along.items():
+            if name in self.level:
+                for at in heights[1::2]:  # what lies a cell beside agrees as well
+                    theirs = taken(self.level[name], at, np.nan)
+                    found = np.maximum(found, agreement({camera: own, name: theirs})[camera])
+        closed = np.asarray(cv2.morphologyEx(found, cv2.MORPH_CLOSE, np.ones((_SEAM, _SEAM), np.uint8)), np.float32)
+        return np.where(np.isnan(own[..., 0]), 0, closed).astype(np.float32)
 
     def above(self, camera: str) -> Cells:
         """Where a camera shows something that stands higher than hands.

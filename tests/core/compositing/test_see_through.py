@@ -13,6 +13,7 @@ from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.edl import Movement, Override
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.provenance import ShowProvenance
+from mcsl_core.imaging.planes import bgr_to_planes
 from mcsl_core.timing import FrameRange
 
 MIDDLE = (0.0, 0.0)
@@ -70,6 +71,16 @@ def test_two_cameras_that_come_out_of_the_shade_of_heads_are_believed_at_once():
     film = Filmed([head("cam1", since=0), *(until_now(camera) for camera in ("cam2", "cam3", "cam4"))])
     without = one(programme("cam1"), Filmed([]), 56)
     assert psnr(one(programme("cam1"), film, 56).y, without.y, inside(40)) > 28
+
+
+def test_a_hand_that_rests_all_the_time_is_seen_under_a_head():
+    """No two cameras show the same of it at the relief, now or ever, but two show it alike at its height."""
+    rests = Thing(100.0, lambda frame: (100.0, 0.0), 120, GLOVE)
+    plain, seen = (one(programme("cam1", see_through=on), Filmed([rests, head("cam1")]), 50) for on in (False, True))
+    within = slice(42, 48), slice(84, 86)
+    cap, glove = (bgr_to_planes(np.full((2, 2, 3), colour, np.uint8)) for colour in (CAP, GLOVE))
+    assert abs(float(plain.u[within].mean()) - cap.u.mean()) < 3
+    assert abs(float(seen.u[within].mean()) - glove.u.mean()) < 3
 
 
 def test_a_hand_stays_to_the_last_pixel():
