@@ -48,7 +48,7 @@ def test_a_plugins_object_is_chosen_by_name() -> None:
 
 
 def test_an_unknown_name_lists_what_there_is() -> None:
-    with pytest.raises(UsageError, match=r"'nosuch'.*shortest-path, least-occluded, fixed"):
+    with pytest.raises(UsageError, match=r"'nosuch'.*shortest-path, through-heads, least-occluded, fixed"):
         discover(entry_points=False).choose("selector", "nosuch")
 
 
