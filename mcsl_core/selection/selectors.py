@@ -85,8 +85,8 @@ class ThroughHeads(ShortestPath):
     Attributes
     ----------
     seen_through : float
-        See there. What is measured is 0.6 to 0.8; by ``benchmarks/selection.py`` more than 0.5 saves few switches
-        more, but heads that are not seen through cover the field for longer.
+        See there. What is measured is 0.6 to 0.8. By ``benchmarks/selection.py``, where heads are quick and 0.75 is
+        seen through, to count on 0.5 shows 98.8 % of the field, on 0.75 96.3 % for a third of the switches.
     """
 
     seen_through: float = field(default=0.5)
