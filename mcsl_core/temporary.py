@@ -20,7 +20,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import BinaryIO, cast
 
-_FILE = re.compile(r"\.mcsl-([0-9a-f]{6})-(\d+)-[0-9a-f]{8}\.tmp(?:\.\w+)?")
+_FILE = re.compile(r"\.mcsl-([0-9a-f]{6})-(\d+)-[0-9a-f]{8}\.tmp(?:\.\w+@?)?")  # "@": Blender's, until all is written
 _FOLDER = re.compile(r"mcsl-[a-z]+-([0-9a-f]{6})-(\d+)-\w+")
 _FORMER = re.compile(r"\.mcsl-[0-9a-f]{16}\.tmp|blender-env\.part-\w{8}")  # of versions before the owner's name
 _STALE_S = 24 * 3600  # of what another machine made: nothing writes for a day without a byte arriving
@@ -87,6 +87,7 @@ def remove_own() -> None:
     """Deletes what this process has half-written, other threads' too: for who ends at once."""
     for path in tuple(_own):
         _delete(path)
+        _delete(path.with_name(f"{path.name}@"))
 
 
 def _delete(path: Path) -> None:
