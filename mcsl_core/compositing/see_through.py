@@ -15,22 +15,19 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
-from mcsl_core.alignment.colour_match import colour_at
-from mcsl_core.edl import Colour
-from mcsl_core.edl.placement import correction_of
-from mcsl_core.filling.median_grid import grid_frames, grid_step
 from mcsl_core.filling.protocol import FillContext
-from mcsl_core.filling.see_through import Background, Moment, backgrounds
+from mcsl_core.filling.see_through import Moment
 from mcsl_core.filling.viewpoint import viewpoint_difference
-from mcsl_core.filling.visual_hull import COLUMNS, Cells, Rays, grid_size, rays_of, taken
+from mcsl_core.filling.visual_hull import COLUMNS, Cells, taken
 from mcsl_core.imaging.planes import Planes
 from mcsl_core.imaging.rect import Rect
-from mcsl_core.imaging.relief import ReliefMap
-from mcsl_core.lru_cache import LruCache, kept
+from mcsl_core.lru_cache import LruCache
+from mcsl_core.timing import FrameRange
 
 from .camera_warper import CameraWarper
 from .frame_context import FrameContext
-from .placement import has_relief, programme_matrix
+from .moments import Moments
+from .placement import programme_matrix
 from .read_ahead import ReadAhead
 
 GRID_S = 1 / 12  # from one decision to the next
@@ -41,7 +38,16 @@ _RING = 6.0  # sigma of the difference in colour about a mask, in cells
 _MOST_CODES = 24.0  # of that difference
 _LITTLE = 1 / 500  # of the picture: who hides less of a mask from another camera does not matter
 _TRACE = 1 / 256  # of weight: less is nothing
-_CELLS_BYTES = 60_000_000  # of pictures, medians and decisions on cells, 170 kB each
+_DECIDED_BYTES = 60_000_000  # of decisions on cells, 230 kB for each other camera
+
+
+def decided_within(rate: float) -> int:
+    """Frames on either side of one, at so many a second, whose decisions its masks go over between."""
+    return 2 * _step(rate)
+
+
+def _step(rate: float) -> int:
+    return max(1, round(GRID_S * rate))
 
 
 @frozen(eq=False)
@@ -72,14 +78,14 @@ class SeeThrough:
     """
 
     def __init__(self, warper: CameraWarper, pictures: ReadAhead) -> None:
-        self._warper, self._pictures = warper, pictures
+        self._warper = warper
+        self._moments = Moments(warper, pictures)
         self.forget()
 
     def forget(self) -> None:
         """Let go of what was kept."""
-        self._cells: LruCache[Cells | None] = LruCache(_CELLS_BYTES)
-        self._backgrounds: LruCache[Mapping[str, Background]] = LruCache(_CELLS_BYTES)
-        self._decided: LruCache[Mapping[str, Patch]] = LruCache(_CELLS_BYTES)
+        self._moments.forget()
+        self._decided: LruCache[Mapping[str, Patch]] = LruCache(_DECIDED_BYTES)
 
     def through(self, context: FrameContext, shown: FillContext, planes: Planes) -> Planes:
         """A finished frame with what other cameras show under heads.
@@ -125,16 +131,16 @@ class SeeThrough:
 
     def _at(self, context: FrameContext) -> Mapping[str, Patch]:
         """The patches of a frame, between those of the grid."""
-        if not has_relief(self._warper.edl, self._warper.edl.poses[context.pose_index], context.camera):
+        frame = context.frame
+        stretch = next((piece for piece in self._moments.stretches if frame in piece), None)
+        if stretch is None or not self._warper.has_relief(context.laid_by, context.camera):
             return {}
-        still, frame = context.still, context.frame
-        if frame not in still or context.followed:
-            return {}
-        step = max(1, round(GRID_S * context.rate))
+        step = _step(context.rate)
         first, part = floor(frame / step), (frame % step) / step
         spline = [(first + n, weight) for n, weight in zip((-1, 0, 1, 2), _b_spline(part), strict=True) if weight > 0]
-        near = [(max(still.start, min(n * step, still.stop - 1)), weight) for n, weight in spline]
-        decided = [(self._patches(context, at), weight * self._fade(context)) for at, weight in near]
+        near = [(max(stretch.start, min(n * step, stretch.stop - 1)), weight) for n, weight in spline]
+        fade = self._fade(context, stretch)
+        decided = [(self._patches(context, at), weight * fade) for at, weight in near]
         names = dict.fromkeys(name for patches, _ in decided for name in patches)
         found = {}
         for name in names:
@@ -145,22 +151,20 @@ class SeeThrough:
             found[name] = Patch(np.asarray(weight, np.float32), np.asarray(colour, np.float32))
         return found
 
-    def _fade(self, context: FrameContext) -> float:
-        """0..1: less near where the lamp begins to move or comes to rest."""
-        still, frames = context.still, self._warper.edl.frames
-        begins = context.frame - still.start + 1 if still.start > 0 else frames
-        ends = still.stop - context.frame if still.stop < frames else frames
+    def _fade(self, context: FrameContext, stretch: FrameRange) -> float:
+        """0..1: less near where the lamp begins to move or comes to rest, and is not followed."""
+        frames = self._warper.edl.frames
+        begins = context.frame - stretch.start + 1 if stretch.start > 0 else frames
+        ends = stretch.stop - context.frame if stretch.stop < frames else frames
         return min(1.0, min(begins, ends) / max(1.0, _FADE_S * context.rate))
 
     # ----------------------------------------------------------------------------------------- a frame of the grid
 
     def _patches(self, context: FrameContext, frame: int) -> Mapping[str, Patch]:
-        key = context.pose_index, context.camera, frame
-        return self._decided.get(key, lambda: self._decide(context, frame))
+        return self._decided.get((context.camera, frame), lambda: self._decide(context.camera, frame, context.frame))
 
-    def _decide(self, context: FrameContext, frame: int) -> Mapping[str, Patch]:
-        pose_index, camera = context.pose_index, context.camera
-        moment = self._moment(pose_index, frame, context.frame)
+    def _decide(self, camera: str, frame: int, now: int) -> Mapping[str, Patch]:
+        moment = self._moments.at(frame, now)
         if moment is None or camera not in moment.live or len(moment.live) < 3:
             return {}
         above = moment.above(camera)
@@ -168,9 +172,9 @@ class SeeThrough:
             return {}
         left = _blurred(above, _SOFT)
         found = {}
-        for other in self._order(pose_index, camera):
-            if other not in moment.live or left.max() < _TRACE:
-                continue
+        for other in self._order(frame, camera, moment):
+            if left.max() < _TRACE:
+                break
             clear = self._clear(moment, other, left)
             weight = left * clear
             if weight.max() < 0.02:
@@ -189,74 +193,12 @@ class SeeThrough:
             seen &= moment.above(camera) < 0.5
         return _blurred(np.asarray(cv2.erode(seen.astype(np.float32), np.ones((5, 5), np.uint8)), np.float32), _SOFT)
 
-    @kept
-    def _order(self, pose_index: int, camera: str) -> tuple[str, ...]:
-        """The other cameras of the relief, the nearest viewpoint first."""
-        edl, pose = self._warper.edl, self._warper.edl.poses[pose_index]
+    def _order(self, frame: int, camera: str, moment: Moment) -> list[str]:
+        """The other cameras of the moment, the nearest viewpoint first."""
+        edl, pose = self._warper.edl, self._warper.pose(self._warper.pose_at(frame))
         front, size = programme_matrix(edl, pose, camera), edl.camera(camera).size
-        others = (name for name in self._rays(pose_index) if name != camera)
-        return tuple(
-            sorted(others, key=lambda name: viewpoint_difference(front, programme_matrix(edl, pose, name), size))
-        )
-
-    @kept
-    def _rays(self, pose_index: int) -> Mapping[str, Rays]:
-        """Of the cameras that the relief lays; empty where it does not tell which way is up."""
-        edl, pose = self._warper.edl, self._warper.edl.poses[pose_index]
-        assert pose.relief is not None
-        projections = {}
-        for name, projection in pose.relief.projections.items():
-            if has_relief(edl, pose, name):
-                correction = correction_of(edl, pose, name)
-                back = np.eye(4)
-                if correction is not None:
-                    back[np.ix_([0, 1, 2], [0, 1, 2])] = np.linalg.inv(np.array(correction))
-                projections[name] = np.array(projection, np.float64) @ back
-        sizes = {name: edl.camera(name).size for name in projections}
-        relief = ReliefMap.of(pose.relief, edl.size)
-        found = {name: rays_of(name, projections, sizes, relief) for name in projections}
-        return {name: rays for name, rays in found.items() if rays is not None}
-
-    def _moment(self, pose_index: int, frame: int, now: int) -> Moment | None:
-        rays = self._rays(pose_index)
-        behind = self._behind(pose_index, frame)
-        live = {name: cells for name in behind if (cells := self._live(pose_index, name, frame, now)) is not None}
-        return Moment.of(live, behind, rays) if live else None
-
-    def _live(self, pose_index: int, camera: str, frame: int, now: int) -> Cells | None:
-        def make() -> Cells | None:
-            self._warper.own_picture(camera, now)  # opens it, and lets go of what was shown
-            planes = self._pictures.look(camera, frame)
-            return None if planes is None else self._in_cells(pose_index, camera, planes, (frame,))
-
-        return self._cells.get((camera, frame), make)
-
-    def _behind(self, pose_index: int, frame: int) -> Mapping[str, Background]:
-        still = self._warper.still[pose_index]
-        step = grid_step(still, float(self._warper.edl.rate))
-        frames = grid_frames(still, step, frame // step)
-        return self._backgrounds.get((pose_index, frames), lambda: self._make_backgrounds(pose_index, frames))
-
-    def _make_backgrounds(self, pose_index: int, frames: tuple[int, ...]) -> Mapping[str, Background]:
-        medians = {}
-        for name in self._rays(pose_index):
-            planes = self._warper.median(name, frames)
-            if planes is not None:
-                medians[name] = self._in_cells(pose_index, name, planes, frames)
-        return backgrounds(medians, self._rays(pose_index))
-
-    def _in_cells(self, pose_index: int, camera: str, planes: Planes, frames: tuple[int, ...]) -> Cells:
-        """Means by cell, in the reference camera's colours."""
-        size = grid_size(planes.size)
-        means = [cv2.resize(plane, size, interpolation=cv2.INTER_AREA).astype(np.float32) for plane in planes]
-        cells = np.stack(means, axis=-1)
-        match = colour_at(self._warper.edl.poses[pose_index], camera, frames)
-        return cells if match is None else _matched(cells, match)
-
-
-def _matched(cells: Cells, colour: Colour) -> Cells:
-    matrix = np.array(colour.matrix, np.float32)
-    return cells @ matrix[:, :3].T + matrix[:, 3]
+        others = (name for name in moment.live if name != camera)
+        return sorted(others, key=lambda name: viewpoint_difference(front, programme_matrix(edl, pose, name), size))
 
 
 def _meeting(moment: Moment, camera: str, other: str, above: Cells, clear: Cells) -> Cells:

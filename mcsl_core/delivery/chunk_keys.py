@@ -23,6 +23,7 @@ from attrs import frozen
 from mcsl_core.code_keys import PICTURES
 from mcsl_core.compositing.compositor import BLOCK_S, block_frames, remembered
 from mcsl_core.compositing.placement import fully_covered
+from mcsl_core.compositing.see_through import decided_within
 from mcsl_core.documents import canonical_json
 from mcsl_core.edl import Camera, Edl
 from mcsl_core.edl.dependencies import (
@@ -40,6 +41,7 @@ from mcsl_core.edl.dependencies import (
     sees_through,
     views_of,
 )
+from mcsl_core.edl.following import followed_over, poses_beside
 from mcsl_core.edl.placement import still_range
 from mcsl_core.edl.resolve import Decision, resolve_by_pose, shift_at
 from mcsl_core.errors import MediaError
@@ -135,7 +137,7 @@ def _contents(edl: Edl, base: Path, filler: Filler | None) -> Iterator[tuple[Fra
                 if part is None:
                     break
                 drift = facts.drift(decision, pose_index)
-                moves = facts.moves(part)
+                moves = facts.moves(part, decision, pose_index)
                 parts.append((part, (facts.of(part, decision, pose_index), follows_centering(decision), drift, moves)))
         yield (
             piece,
@@ -176,10 +178,21 @@ class _Facts:
         cameras = tuple(drifting(views_of(self.edl, self.edl.poses[pose_index], decision)))
         return (pose_index, cameras) if cameras else None
 
-    def moves(self, part: FrameRange) -> str | None:
+    def moves(self, part: FrameRange, decision: Decision, pose_index: int) -> str | None:
         """How the cameras lie where the lamp is followed in it; None where it is not."""
-        found = movement_over(self.edl, part)
-        return _digest(found) if found else None
+        if not sees_through(self.edl.poses[pose_index], decision):
+            found = movement_over(self.edl, part)
+            return _digest(found) if found else None
+        on_either_side = decided_within(float(self.edl.rate))
+        wide = FrameRange(max(0, part.start - on_either_side), part.stop + on_either_side)
+        found = movement_over(self.edl, wide)
+        return _digest([found, *self._beside_movements(wide)]) if found else None
+
+    def _beside_movements(self, part: FrameRange) -> list[Any]:
+        """The poses from which it is known what the cameras show where nobody is, while the lamp moves in ``part``."""
+        movements = followed_over(self.edl, part)
+        near = {pose.range for movement in movements for pose in poses_beside(self.edl, movement)}
+        return [self._beside(i, True) for i, pose in enumerate(self.edl.poses) if pose.range in near]
 
     @kept
     def _bounds(self, pose_index: int) -> tuple[Offset, Offset]:
@@ -210,7 +223,8 @@ class _Facts:
         if not sees_through(self.edl.poses[pose_index], decision):
             return {}
         seen = fill_views(self.edl, pose_index)  # it takes medians of any frames of the pose, without their drift
-        return {"see_through": [VERSION, seen.still.start, seen.still.stop, drifting(seen.views)]}
+        colours = {view.camera.name: view.colour for view in seen.views if view.colour is not None}
+        return {"see_through": [VERSION, seen.still.start, seen.still.stop, drifting(seen.views), colours]}
 
     @kept
     def _filled(self, pose_index: int, offsets: tuple[Offset, ...], surface: bool) -> str:

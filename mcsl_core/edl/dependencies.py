@@ -16,7 +16,7 @@ from attrs import frozen
 from mcsl_core.timing import FrameRange
 
 from .colour import ColourKey, Matrix34, keys_over
-from .following import poses_beside
+from .following import followed_over, poses_beside
 from .placement import correction_of, first_of_perspective, other_poses, placement_matrix, still_range
 from .resolve import Decision, offset_at
 from .schema import Camera, Edl, Matrix, Pose
@@ -143,14 +143,12 @@ def drift_over(edl: Edl, pose_index: int, cameras: Iterable[str], part: FrameRan
 def movement_over(edl: Edl, part: FrameRange) -> list[Any]:
     """What the pictures of ``part`` depend on where the lamp moves and is followed: nothing elsewhere."""
     found = []
-    for movement in edl.movements:
-        views = movement.views
-        if views and views[0].frame < part.stop and part.start <= views[-1].frame:
-            beside = poses_beside(edl, movement)
-            colours = [{name: colour.matrix for name, colour in pose.colour.items()} for pose in beside]
-            reliefs = [pose.relief and [pose.relief.gamma, pose.relief.confidence] for pose in beside]
-            goes_over = list(zip(colours, reliefs, strict=True))
-            found.append([[[v.frame, v.homographies, v.projections] for v in views], goes_over])
+    for movement in followed_over(edl, part):
+        beside = poses_beside(edl, movement)
+        colours = [{name: colour.matrix for name, colour in pose.colour.items()} for pose in beside]
+        reliefs = [pose.relief and [pose.relief.gamma, pose.relief.confidence] for pose in beside]
+        goes_over = list(zip(colours, reliefs, strict=True))
+        found.append([[[v.frame, v.homographies, v.projections] for v in movement.views], goes_over])
     return found
 
 

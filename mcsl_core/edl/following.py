@@ -32,6 +32,12 @@ def followed_movement(edl: Edl, frame: int) -> Movement | None:
     return None
 
 
+def followed_over(edl: Edl, part: FrameRange) -> tuple[Movement, ...]:
+    """The movements whose views say how the cameras lie at any frame of ``part``."""
+    known = (movement for movement in edl.movements if movement.views)
+    return tuple(m for m in known if m.views[0].frame < part.stop and part.start <= m.views[-1].frame)
+
+
 def placed_pose(edl: Edl, frame: int) -> Pose:
     """The pose that programme frame ``frame`` lies in, or how the cameras lie at that frame alone: `followed_pose`.
 

@@ -40,7 +40,7 @@ from .agreement import (
 )
 from .visual_hull import Cells, Index, Rays, taken
 
-VERSION = 3  # rises when the same frames come out differently: conformed chunks are then made again
+VERSION = 4  # rises when the same frames come out differently: conformed chunks are then made again
 _SHARED = 15  # cells: gaps that are closed of what two cameras show now
 _CHANGED = (8.0, 20.0)  # codes: noise, somebody
 _ALIKE = (12.0, 26.0)  # codes between two cameras' live pictures: the same thing, another one

@@ -172,7 +172,7 @@ def test_going_forward_each_picture_is_decoded_once():
     assert max(film.decoded.count(each) for each in set(film.decoded) if each[1] > 41) == 1
 
 
-def test_an_override_switches_a_stretch_and_movements_have_none():
+def test_an_override_switches_a_stretch_and_movements_that_are_not_followed_have_none():
     film, plain = Filmed([head("cam1")]), programme("cam1", see_through=False)
     as_it_is = shown(plain, film, FrameRange(48, 56))
     some = attrs.evolve(plain, overrides=(Override(FrameRange(50, 54), see_through=True),))
@@ -180,6 +180,38 @@ def test_an_override_switches_a_stretch_and_movements_have_none():
     for made, on in ((some, range(50, 54)), (moving, range(48, 52))):
         same = [np.array_equal(a.y, b.y) for a, b in zip(shown(made, film, FrameRange(48, 56)), as_it_is, strict=True)]
         assert same == [frame not in on for frame in range(48, 56)]
+
+
+def everywhere(lamp_frame: int) -> Thing:
+    """A head that stands all the time, and hides the middle from cam1 as it lies at a frame."""
+    by = np.array(scene.moved(lamp_frame))
+    place = np.array(above("cam1", MIDDLE, HEAD)) + by * HEAD / 1000
+    return Thing(HEAD, lambda frame: (float(place[0]), float(place[1])), 50, CAP)
+
+
+@pytest.mark.parametrize("frame", [scene.MOVES.start, scene.MOVES.start + 6, scene.MOVES.stop - 1])
+def test_heads_are_seen_through_while_the_lamp_moves(frame):
+    edl, plainly = scene.followed_programme("cam1"), scene.followed_programme("cam1", see_through=False)
+    film = Filmed([everywhere(frame)], lamp=scene.moved)
+    without = one(edl, Filmed([], lamp=scene.moved), frame)
+    assert psnr(one(plainly, film, frame).y, without.y, inside(40)) < 22
+    assert psnr(one(edl, film, frame).y, without.y, inside(90)) > 28
+
+
+def test_hands_stay_while_the_lamp_moves():
+    film = Filmed([Thing(HAND, hand, 35, GLOVE)], lamp=scene.moved)
+    for camera in ("cam1", "cam3"):
+        ways = (scene.followed_programme(camera, see_through=on) for on in (False, True))
+        plain, seen = (shown(edl, film, scene.MOVES) for edl in ways)
+        assert all(np.array_equal(a.y, b.y) for a, b in zip(plain, seen, strict=True))
+
+
+def test_a_frame_is_the_same_in_whatever_range_it_is_made_where_the_lamp_begins_to_move():
+    film, edl = Filmed([everywhere(36)], lamp=scene.moved), scene.followed_programme("cam1")
+    whole = shown(edl, film, FrameRange(30, 44))
+    for frame in (31, 33, 36, 43):
+        for a, b in zip(one(edl, film, frame), whole[frame - 30], strict=True):
+            assert np.array_equal(a, b)
 
 
 def test_provenance_tells_what_was_replaced():

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import attrs
+import peopled_scene
 import pytest
 import relief_scene as scene
 from two_cameras import FRAMES, SIZE, make, write_sources
 
 from mcsl_core.delivery.chunk_keys import plan_chunks
-from mcsl_core.edl import Override, from_json, to_json
+from mcsl_core.edl import Colour, Override, from_json, to_json
 from mcsl_core.timing import FrameRange
 
 
@@ -63,3 +64,38 @@ def test_seeing_through_changes_chunks_where_pictures_lie_by_a_relief_and_only_t
     assert all(a != b for a, b in zip(seen, keys(with_relief(plain), base), strict=True))
     override = Override(FrameRange(0, FRAMES), see_through=True)
     assert keys(attrs.evolve(with_relief(plain), overrides=(override,)), base) == seen, "whoever decided it"
+
+
+def longer(*, see_through: bool, late: int = 0):
+    """40 s at 10 frames a second; the lamp is followed from frame 201 on."""
+    made, by = peopled_scene.followed_programme("cam1", see_through=see_through), 203 - peopled_scene.MOVES.start
+    (movement,), (before, after) = made.movements, made.poses
+    views = [attrs.evolve(view, frame=view.frame + by) for view in movement.views]
+    views[-1] = attrs.evolve(views[-1], frame=views[-1].frame + late)
+    moves = FrameRange(movement.range.start + by, movement.range.stop + by)
+    movement = attrs.evolve(movement, range=moves, views=tuple(views))
+    ranges = FrameRange(0, movement.middle), FrameRange(movement.middle, 400)
+    poses = tuple(attrs.evolve(pose, range=piece) for pose, piece in zip((before, after), ranges, strict=True))
+    shots = (attrs.evolve(made.shots[0], range=FrameRange(0, 400)),)
+    return attrs.evolve(made, frames=400, movements=(movement,), poses=poses, shots=shots)
+
+
+@pytest.fixture(scope="module")
+def films(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("films")
+    return peopled_scene.write_films(peopled_scene.Filmed([]), folder)
+
+
+@pytest.mark.parametrize(("see_through", "touched"), [(False, [20, 21]), (True, [19, 20, 21, 22])])
+def test_how_the_lamp_is_followed_changes_what_is_seen_through_a_moment_before_as_well(films, see_through, touched):
+    first, other = (keys(longer(see_through=see_through, late=late), films) for late in (0, 1))
+    assert [n for n, (a, b) in enumerate(zip(first, other, strict=True)) if a != b] == touched
+
+
+def test_in_movements_what_is_seen_through_depends_on_the_poses_beside(films):
+    """Their cameras show what there is where nobody is."""
+    made = longer(see_through=True)
+    darker = Colour(((0.9, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)))
+    after = attrs.evolve(made.poses[1], colour={"cam2": darker})
+    first, other = (keys(edl, films) for edl in (made, attrs.evolve(made, poses=(made.poses[0], after))))
+    assert [a != b for a, b in zip(first, other, strict=True)] == [n >= 19 for n in range(40)], "a chunk a second"
