@@ -96,11 +96,6 @@ class _Player:
 def stretches(made: Edl, truth: Truth) -> list[tuple[str, FrameRange]]:
     """Cameras and stretches in which they see the field freely: one in each pose, and movements that are followed."""
     found = []
-    for movement in made.movements:
-        if movement.views:
-            piece = FrameRange(movement.views[0].frame, movement.views[-1].frame + 1)
-            free = truth.visible_field_without_hands[max(0, piece.start - 5) : piece.stop + 5] >= FREE
-            found += [(name, piece) for name in truth.cameras if free[:, truth.camera_index(name)].all()]
     for pose in made.poses:
         still = still_range(made, pose)
         for name in pose.relief.projections if pose.relief else ():
@@ -109,6 +104,11 @@ def stretches(made: Edl, truth: Truth) -> list[tuple[str, FrameRange]]:
             start = next((s for s in starts if free[s - 5 : s + LASTS + 5].all()), None)
             if start is not None:
                 found.append((name, FrameRange(start, start + LASTS)))
+    for movement in made.movements:
+        if movement.views:
+            piece = FrameRange(movement.views[0].frame, movement.views[-1].frame + 1)
+            free = truth.visible_field_without_hands[max(0, piece.start - 5) : piece.stop + 5] >= FREE
+            found += [(name, piece) for name in truth.cameras if free[:, truth.camera_index(name)].all()]
     return found
 
 
