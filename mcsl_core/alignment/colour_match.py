@@ -6,7 +6,7 @@ cameras of one lamp. Stored as one affine matrix on BT.709 limited 8-bit codes, 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import cv2
 import numpy as np
@@ -14,10 +14,7 @@ from numpy.typing import NDArray
 
 from mcsl_core.edl import Colour, ColourKey, Pose
 from mcsl_core.edl.colour import gains_at
-from mcsl_core.imaging.masks import Mask
 from mcsl_core.imaging.planes import BGR_TO_YUV, U8, YUV_TO_BGR, Planes, upsample_chroma
-
-from .aligned_views import AlignedPose, Picture
 
 GAINS = (0.5, 2.0)
 OFFSETS = (-40.0, 40.0)
@@ -28,7 +25,6 @@ _ROUNDS = 12
 # and white gauze turns cyan. 3 codes, and a quarter of what the gain leaves unexplained.
 _BLACK = 3.0
 _DOUBT = 0.25
-_STEADY = 6  # levels of 255 that a pixel may be off its median half of the time: noise and breathing, not hands
 
 
 def match_colours(source_bgr: U8, target_bgr: U8, mask: U8) -> Colour | None:
@@ -70,36 +66,6 @@ def match_colours(source_bgr: U8, target_bgr: U8, mask: U8) -> Colour | None:
     a, b = a[chosen], b[chosen]
     fits = _fit(a, b)
     return None if fits is None else as_matrix(fits[:, 0], fits[:, 1])
-
-
-def colours_of(aligned: AlignedPose, samples: Sequence[Mapping[str, Picture | None]]) -> dict[str, Colour]:
-    """Each camera's match to the reference camera, from the medians of what both show steadily.
-
-    Where hands and heads come and go the median is nobody's colour; such pixels are left out by their deviation.
-    """
-    shown: dict[str, list[Picture]] = {}
-    steady: dict[str, Mask] = {}
-    for pictures in samples:
-        for view in aligned.views(pictures):
-            shown.setdefault(view.camera, []).append(view.aligned)
-            steady[view.camera] = view.inside
-    medians: dict[str, Picture] = {}
-    for name, own in shown.items():
-        stack = np.stack(own)
-        medians[name] = np.median(stack, axis=0).astype(np.uint8)
-        off = np.median(cv2.absdiff(stack, np.broadcast_to(medians[name], stack.shape).copy()), axis=0).max(axis=2)
-        steady[name] = steady[name] & (off <= _STEADY)
-    if aligned.reference not in medians:
-        return {}
-    target = medians.pop(aligned.reference)
-    colours = {}
-    for name, median in medians.items():
-        overlap = steady[name] & steady[aligned.reference]
-        if overlap.mean() > 0.02:
-            found = match_colours(median, target, overlap.astype(np.uint8))
-            if found is not None:
-                colours[name] = found
-    return colours
 
 
 def as_matrix(gains: NDArray[np.float64], offsets: NDArray[np.float64]) -> Colour:

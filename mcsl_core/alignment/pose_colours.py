@@ -20,8 +20,8 @@ from mcsl_core.progress import Progress
 from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.sample_store import SampleStore
 
+from .agreed_colours import agreed_colours, steady_colours
 from .aligned_views import Picture
-from .colour_match import colours_of
 from .drift import drift_keys
 from .observations import SolvedPose
 
@@ -63,7 +63,8 @@ def follow_drift(
     Returns
     -------
     list of PoseColours
-        One a pose. Without any drift the pose keeps the match it has; what it lacks another pose lends.
+        One a pose. Without any drift the pose keeps the match it has; what it lacks another pose lends, or else what
+        both cameras show steadily tells.
     """
     progress.stage("Following the cameras' colours", len(solved), "poses")
     found = []
@@ -72,10 +73,17 @@ def follow_drift(
         standing = samples.standing(still, movements)
         keys = {name: drift_keys(name, still, standing, samples, footage) for name in pose.aligned.homographies}
         keys = {name: own for name, own in keys.items() if own}
-        colour = _matched_level(samples, pose, keys) if keys else {}
+        colour = agreed_colours(pose.aligned, _levels(samples, pose, keys)) if keys else {}
         found.append(PoseColours(colour or pose.pose.colour, keys))
         progress.advance(len(found))
-    return _lent(found, [set(pose.aligned.homographies) - {pose.aligned.reference} for pose in solved])
+    cameras = [set(pose.aligned.homographies) - {pose.aligned.reference} for pose in solved]
+    made = []
+    for own, pose, names in zip(_lent(found, cameras), solved, cameras, strict=True):
+        if lacking := names - own.colour.keys():
+            steady = steady_colours(pose.aligned, _levels(samples, pose, own.colour_keys), lacking)
+            own = attrs.evolve(own, colour={**own.colour, **steady})
+        made.append(own)
+    return made
 
 
 def _lent(found: Sequence[PoseColours], cameras: Sequence[set[str]]) -> list[PoseColours]:
@@ -91,10 +99,10 @@ def _lent(found: Sequence[PoseColours], cameras: Sequence[set[str]]) -> list[Pos
     return made
 
 
-def _matched_level(
+def _levels(
     samples: SampleStore, pose: SolvedPose, keys: Mapping[str, Sequence[ColourKey]]
-) -> dict[str, Colour]:
-    """The matches by the samples that the pose was solved from, each brought to its camera's usual exposure."""
+) -> list[dict[str, Picture | None]]:
+    """The samples that the pose was solved from, each brought to its camera's usual exposure."""
 
     def level(position: int, name: str) -> Picture | None:
         picture = samples.picture(position, name)
@@ -103,4 +111,4 @@ def _matched_level(
         gains: Float = np.array(gains_at(keys[name], samples.shown_frame(position, name))[::-1], np.float32)
         return levelled(picture, gains)
 
-    return colours_of(pose.aligned, [{name: level(at, name) for name in samples.cameras} for at in pose.samples])
+    return [{name: level(at, name) for name in samples.cameras} for at in pose.samples]

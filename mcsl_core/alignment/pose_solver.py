@@ -21,9 +21,9 @@ from mcsl_core.imaging.masks import Mask, central_ellipse, resize_mask
 from mcsl_core.progress import Progress
 from mcsl_core.timing import FrameRange
 
+from .agreed_colours import agreed_colours
 from .aligned_views import AlignedPose
 from .clear_frames import degree_of_occlusion, field_area
-from .colour_match import colours_of
 from .correspondences import Pairs
 from .field import field_by_vote, field_in_camera, shared_aim
 from .field_voices import find_field
@@ -128,7 +128,7 @@ class PoseSolver:
         sure = known is not None or bool(field.any() and shared_aim(self._aligned(tied, aligned.size[0])) >= ONE_AIM)
         field = resize_mask(field, aligned.size) if sure else central_ellipse(aligned.size)
         aligned = attrs.evolve(aligned, field=field)
-        pose = _pose(frames, alignment, [samples.frames[i] for i in clear], colours_of(aligned, pictures))
+        pose = _pose(frames, alignment, [samples.frames[i] for i in clear], agreed_colours(aligned, pictures))
         kept = {name: Observations(own.features[::4], own.field) for name, own in observations.items()}
         solved = SolvedPose(pose, aligned, tuple(for_dense), kept, PICTURES if sure else MIDDLE)
         return solved if cameras is None else solved.seeing(cameras, views)

@@ -11,6 +11,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from mcsl_core.imaging.correlation import correlation, mean
+
 from .visual_hull import Cells
 
 _CHROMA = 1.5  # weight of a code of chroma against one of luma
@@ -18,7 +20,6 @@ _SAME = (8.0, 16.0)  # codes between two cameras' pictures: the same, no longer 
 _ALSO = (0.4, 0.7)  # correlation of what is the same by its codes
 _ANOTHER = (14.0, 24.0)  # codes: hardly the same any more, another thing; towards the edges a picture is darker
 CORRELATED = 0.8  # luma that goes up and down alike
-_WINDOW, _FLAT = 9, 3.0  # cells: of a local correlation; codes: less goes neither up nor down
 _AROUND = 7  # cells: of what agrees together
 _AGREED = (0.45, 0.7)  # share of them that must be the same: nothing agrees, all
 _FINER = (1.2, 1.6)  # times as much detail: as fine, finer
@@ -136,36 +137,6 @@ def codes_apart(a: Cells, b: Cells) -> Cells:
     return found
 
 
-def correlation(a: Cells, b: Cells) -> tuple[Cells, Cells]:
-    """The local correlation of two luma pictures, whatever their exposure.
-
-    Two caps of one colour, before two cameras, are alike anywhere, but their folds go up and down each in its own way.
-
-    Parameters
-    ----------
-    a, b : (rows, columns) float32
-        NaN where there is none.
-
-    Returns
-    -------
-    (rows, columns) float32
-        -1..1, 0 where either is flat.
-    (rows, columns) float32
-        1 where one of them is not, else 0.
-    """
-    inside = (~(np.isnan(a) | np.isnan(b))).astype(np.float32)
-    share = np.maximum(mean(inside, _WINDOW), 1e-3)
-    a, b = (np.asarray(mean(np.nan_to_num(each), 3) * inside, np.float32) for each in (a, b))
-    mean_a, mean_b = mean(a, _WINDOW) / share, mean(b, _WINDOW) / share
-    var_a = np.maximum(mean(a * a, _WINDOW) / share - mean_a**2, 0)
-    var_b = np.maximum(mean(b * b, _WINDOW) / share - mean_b**2, 0)
-    both = mean(a * b, _WINDOW) / share - mean_a * mean_b
-    seen = share > 0.5
-    sure = seen & (var_a * var_b > _FLAT**4)
-    found = np.where(sure, both / np.sqrt(np.maximum(var_a * var_b, 1e-6)), 0)
-    return found.astype(np.float32), (seen & (np.maximum(var_a, var_b) > _FLAT**2)).astype(np.float32)
-
-
 def levelled(cells: Cells, shown: Cells, where: NDArray[np.bool_] | None = None) -> Cells:
     """A picture at the exposure of another: by the one gain that most cells share, where they share one.
 
@@ -206,11 +177,6 @@ def codes(difference: Cells) -> Cells:
 def ramp(values: Cells, zero: float, one: float) -> Cells:
     """0 up to ``zero``, 1 from ``one``, straight between them; falling where ``one`` is less."""
     return np.clip((values - zero) / (one - zero), 0, 1).astype(np.float32)
-
-
-def mean(values: Cells, side: int) -> Cells:
-    """The mean of ``side`` x ``side`` cells about each."""
-    return np.asarray(cv2.blur(values, (side, side), borderType=cv2.BORDER_REPLICATE), np.float32)
 
 
 def _eroded(values: Cells) -> Cells:

@@ -23,6 +23,7 @@ import numpy as np
 from attrs import frozen
 from numpy.typing import NDArray
 
+from mcsl_core.imaging.correlation import correlation, mean
 from mcsl_core.imaging.planes import U8
 from mcsl_core.lru_cache import kept
 
@@ -33,9 +34,7 @@ from .agreement import (
     closed_agreement,
     codes,
     contradicted,
-    correlation,
     levelled,
-    mean,
     ramp,
 )
 from .visual_hull import Cells, Index, Rays, taken

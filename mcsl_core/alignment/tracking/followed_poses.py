@@ -26,7 +26,7 @@ from mcsl_core.progress import Progress
 from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.sample_store import SampleStore
 
-from ..colour_match import colours_of
+from ..agreed_colours import agreed_colours
 from ..observations import SolvedPose
 from ..photo_consistency import Agreement, LaidView, agreement
 from ..planes_by_surface import laid_by_surface
@@ -258,7 +258,7 @@ class PosePlacer:
     def _laid(self, pose: SolvedPose, projections: Mapping[str, Array], points: Array) -> SolvedPose:
         """The pose with these cameras laid by the surface, and no longer weak."""
         laid = laid_by_surface(pose, projections, points)
-        colour = colours_of(laid.aligned, [self.samples[i].pictures for i in pose.samples])
+        colour = agreed_colours(laid.aligned, [self.samples[i].pictures for i in pose.samples])
         weak = tuple(weak for weak in pose.pose.weak if weak.camera not in laid.aligned.homographies)
         return attrs.evolve(laid, pose=attrs.evolve(laid.pose, colour=colour, weak=weak))
 

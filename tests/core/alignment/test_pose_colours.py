@@ -119,3 +119,21 @@ def test_a_camera_that_one_pose_cannot_match_is_matched_as_the_nearest_pose_has_
     found = follow_drift(samples, solved, footage, (), Silent())
     samples.close()
     assert [own.colour for own in found] == [{"b": PINK}] * 3
+
+
+def test_where_no_pose_has_a_match_what_is_steady_tells(tmp_path: Path) -> None:
+    pose, _ = followed(tmp_path, {"a": np.ones((FRAMES, 3)), "b": np.full((FRAMES, 3), 0.8)})
+    cameras = [Camera(n, (Media(f"{n}.mp4", FRAMES),), SIZE, RATE) for n in ("a", "b")]
+    footage = Footage(cameras, rate=RATE, frames=FRAMES, base=tmp_path)
+    samples = SampleStore.record(footage, tmp_path / "again", Silent())
+    aligned = AlignedPose(
+        SIZE, "a", dict.fromkeys("ab", np.eye(3)), dict.fromkeys("ab", SIZE), np.ones(SIZE[::-1], bool)
+    )
+    solved = SolvedPose(attrs.evolve(pose, colour={}), aligned, tuple(samples.within(pose.range)), {})
+    (found,) = follow_drift(samples, [solved], footage, (), Silent())
+    samples.close()
+    shown = {
+        name: mean_colours(found.of(pose), name, np.full((FRAMES, 3), g), range(3))
+        for name, g in (("a", 1), ("b", 0.8))
+    }
+    assert np.abs(shown["a"] - shown["b"]).max() < 4
