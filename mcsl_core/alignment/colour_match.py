@@ -54,17 +54,15 @@ def match_colours(source_bgr: U8, target_bgr: U8, mask: U8) -> Colour | None:
     """
     if source_bgr.shape != target_bgr.shape or mask.shape != source_bgr.shape[:2]:
         raise ValueError(f"pictures and mask differ in size: {source_bgr.shape}, {target_bgr.shape}, {mask.shape}")
+    inside = np.flatnonzero(cv2.erode((mask != 0).astype(np.uint8), np.ones((5, 5), np.uint8)))
     # Averaging over 5 pixels takes out noise and the last pixel of misalignment, which would flatten the fitted gain.
-    a = cv2.blur(source_bgr, (5, 5)).reshape(-1, 3).astype(np.float64)
-    b = cv2.blur(target_bgr, (5, 5)).reshape(-1, 3).astype(np.float64)
-    inside = cv2.erode((mask != 0).astype(np.uint8), np.ones((5, 5), np.uint8)).reshape(-1) != 0
+    a, b = (cv2.blur(picture, (5, 5)).reshape(-1, 3)[inside] for picture in (source_bgr, target_bgr))
     clear = (np.minimum(a, b).min(axis=1) > 6) & (np.maximum(a, b).max(axis=1) < 249)  # clipped codes say nothing
-    chosen = np.flatnonzero(inside & clear)
+    chosen = np.flatnonzero(clear)
     if len(chosen) < _LEAST_PIXELS:
         return None
     chosen = chosen[:: max(1, len(chosen) // _MOST_PIXELS)]
-    a, b = a[chosen], b[chosen]
-    fits = _fit(a, b)
+    fits = _fit(a[chosen].astype(np.float64), b[chosen].astype(np.float64))
     return None if fits is None else as_matrix(fits[:, 0], fits[:, 1])
 
 

@@ -6,7 +6,6 @@ Full-size pixels unless a name says otherwise.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import Protocol
 
 import numpy as np
@@ -17,6 +16,7 @@ from mcsl_core.edl import Pose
 from mcsl_core.edl.field import HAND, PICTURES
 from mcsl_core.imaging.geometry import Array, scaling
 from mcsl_core.imaging.masks import Mask, central_ellipse, warp_mask
+from mcsl_core.parallel import by_threads
 from mcsl_core.recording.sample_store import Sample
 from mcsl_core.timing import FrameRange
 
@@ -192,8 +192,7 @@ def observe(
         features = tuple(NOTHING if picture is None else matcher.features(picture) for picture in pictures)
         return Observations(features, field_of_camera(own))
 
-    with ThreadPoolExecutor(max_workers=2) as workers:
-        found = list(workers.map(observed, samples.cameras))
+    found = by_threads(observed, samples.cameras)
     return {name: own for name, own in zip(samples.cameras, found, strict=True) if own is not None}
 
 

@@ -16,9 +16,7 @@ H. Knutsson, C.-F. Westin: Normalized and differential convolution. CVPR 1993.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
 from threading import Lock
 from typing import Any
 
@@ -33,6 +31,7 @@ from mcsl_core.imaging.geometry import Homography, scaling, translation
 from mcsl_core.imaging.planes import U8
 from mcsl_core.imaging.warp import WarpField
 from mcsl_core.lru_cache import LruCache
+from mcsl_core.parallel import by_threads
 
 from .picture_source import PictureSource
 from .placement import programme_matrix, surface_of
@@ -104,8 +103,7 @@ class Parallax:
         names = [
             camera.name for camera in self._edl.cameras if placement_matrix(self._edl, pose, camera.name) is not None
         ]
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            found = list(pool.map(lambda name: self._warp_field(pose_index, name), names))
+        found = by_threads(lambda name: self._warp_field(pose_index, name), names)
         return dict(zip(names, found, strict=True))
 
     def _warp_field(self, pose_index: int, camera: str) -> WarpField | None:

@@ -8,12 +8,12 @@ seen within a third of a second.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from attrs import field, frozen
 from numpy.typing import NDArray
 
+from mcsl_core.parallel import by_threads
 from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.sample_store import SAMPLE_HEIGHT
 
@@ -157,9 +157,8 @@ def boundary_time(sampling: CloseSampling, rest: int, moving: int, bound: int) -
 
 def _curves(sampling: CloseSampling, order: Sequence[int]) -> list[DisplacementCurve]:
     """Every camera's curve along the frames of ``order``, whose first are at rest; of those with a picture there."""
-    with ThreadPoolExecutor(max_workers=2) as workers:
-        found = workers.map(lambda camera: _curve(sampling.textures(camera, order), order), sampling.cameras)
-        return [curve for curve in found if curve is not None]
+    found = by_threads(lambda camera: _curve(sampling.textures(camera, order), order), sampling.cameras)
+    return [curve for curve in found if curve is not None]
 
 
 def _curve(textures: Mapping[int, Grey], order: Sequence[int]) -> DisplacementCurve | None:

@@ -339,13 +339,14 @@ class _Problem:
         by_point = (numbers[None, :, :2] - uv[..., None] * numbers[None, :, 2:]) / depth[..., None, None]
         free = by_camera[:, 1:]  # the reference stays
         weighed = free * weight[:, 1:, None, None]
+        weighed_rows = weighed.transpose(1, 0, 2, 3).reshape(k - 1, -1, 12)
         points_weighed = by_point * weight[..., None, None]
         return _Normal(
-            np.einsum("nkia,nkib->kab", weighed, free),
-            np.einsum("nkia,nkib->nab", points_weighed, by_point),
-            np.einsum("nkia,nkib->nkab", weighed, by_point[:, 1:]).reshape(n, -1, 3),
-            -np.einsum("nkia,nki->ka", weighed, off[:, 1:]).ravel(),
-            -np.einsum("nkia,nki->na", points_weighed, off),
+            np.matmul(weighed_rows.transpose(0, 2, 1), free.transpose(1, 0, 2, 3).reshape(k - 1, -1, 12)),
+            np.matmul(points_weighed.reshape(n, -1, 3).transpose(0, 2, 1), by_point.reshape(n, -1, 3)),
+            np.matmul(weighed.transpose(0, 1, 3, 2), by_point[:, 1:]).reshape(n, -1, 3),
+            -np.matmul(off[:, 1:].transpose(1, 0, 2).reshape(k - 1, 1, -1), weighed_rows).ravel(),
+            -np.matmul(off.reshape(n, 1, -1), points_weighed.reshape(n, -1, 3))[:, 0],
         )
 
 

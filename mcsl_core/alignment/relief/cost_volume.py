@@ -11,6 +11,7 @@ from attrs import frozen
 from numpy.typing import NDArray
 
 from mcsl_core.imaging.geometry import scaling
+from mcsl_core.parallel import by_threads
 
 from .corroboration import weights_of
 from .protocol import ReliefCamera
@@ -129,10 +130,13 @@ def swept(cameras: Sequence[SweptCamera], base: Field, levels: NDArray[np.float6
     cost = np.full((len(levels), *base.shape), RANDOM, np.float32)
     pairs = np.zeros_like(cost)
     inner = (slice(_RADIUS, -_RADIUS),) * 2
-    for n, level in enumerate(levels):
-        surface = base + np.float32(level)
+
+    def sweep(n: int) -> None:
+        surface = base + np.float32(levels[n])
         signs = [_signs(*camera.laid(surface, camera.projection)) for camera in cameras]
         cost[n][inner], pairs[n][inner] = _disagreement(signs)
+
+    by_threads(sweep, range(len(levels)))
     return Volume(cost, pairs)
 
 

@@ -20,16 +20,18 @@ import numpy as np
 from attrs import frozen
 
 from mcsl_core.imaging.geometry import Array, project
+from mcsl_core.parallel import by_threads
 
 from .fitting import Fit, Sighting, fit_view
 from .lamp import Lamp, LampView
 from .protocol import End, Instant
 from .templates import Grey, level
 
-_WINDOW, _LEVELS = (21, 21), 3
+_WINDOW = (21, 21)
+_LEVELS = (3, 1)  # of pyramids, by round: the second has little left to find
+_STEPS = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 10, 0.03)  # 30 and 0.01 find the lamp 0.01 px of 960 off
 _BACK = 0.7  # pixels by which the flow back may miss
 _REACH = 48.0  # pixels: what is found farther off is something else
-_ROUNDS = 2  # a frame is laid anew by what the first told
 _LEAST, _SHARE = 40, 0.12  # places that agree, and their share: with fewer the lamp is lost at a frame
 _AGREE = 8.0 / 960  # of the width: from both ends the lamp is found there
 _TRUST = 0.5  # in a new speed: trusted alone, turns and shifts that show the same alternated more and more
@@ -47,8 +49,9 @@ class BackgroundTracker:
 
     def follow(self, lamp: Lamp, before: End, after: End, instants: Sequence[Instant]) -> list[LampView | None]:
         """Where the lamp stands at the instants of a movement, None where it is lost; see `Tracker`."""
-        there = follow_from(lamp, before, instants)
-        back = follow_from(lamp, after, instants[::-1])[::-1]
+        ways = ((before, instants), (after, instants[::-1]))
+        there, back = by_threads(lambda way: follow_from(lamp, *way), ways)
+        back = back[::-1]
         first, last = instants[0].frame, instants[-1].frame
         found: list[LampView | None] = []
         for instant, a, b in zip(instants, there, back, strict=True):
@@ -113,25 +116,26 @@ class _Follower:
             seen = self._lamp.projection(camera, LampView.of(view.numbers - late * speed))
             return self._end.bends[camera] @ seen
 
-        for _ in range(_ROUNDS):
+        for levels in _LEVELS:  # laid anew by what the round before told
             sightings = [
-                self._sighting(name, instant.pictures[name], projection(name, fit.view))
+                self._sighting(name, instant.pictures[name], projection(name, fit.view), levels)
                 for name in sorted(self._end.templates.keys() & instant.pictures.keys())
             ]
             fit = fit_view(sightings, projection, fit.view)
         return fit
 
-    def _sighting(self, camera: str, picture: Grey, projection: Array) -> Sighting:
+    def _sighting(self, camera: str, picture: Grey, projection: Array, levels: int) -> Sighting:
         """Where a camera's picture has the template's places, laid first by ``projection``."""
         template, ground = self._end.templates[camera], self._end.ground
         size = self._lamp.sizes[camera]
         laid = level(ground.laid(picture, size, projection))
         start = template.places.reshape(-1, 1, 2)
-        options: dict[str, Any] = {"winSize": _WINDOW, "maxLevel": _LEVELS}
+        options: dict[str, Any] = {"winSize": _WINDOW, "maxLevel": levels, "criteria": _STEPS}
         to, found, _ = cv2.calcOpticalFlowPyrLK(template.picture, laid, start, start.copy(), **options)
-        back, again, _ = cv2.calcOpticalFlowPyrLK(laid, template.picture, to, to.copy(), **options)
-        missed = np.linalg.norm((back - start).reshape(-1, 2), axis=1)
-        moved = np.linalg.norm((to - start).reshape(-1, 2), axis=1)
-        good = (found.ravel() > 0) & (again.ravel() > 0) & (missed < _BACK) & (moved < _REACH)
+        good = np.flatnonzero((found.ravel() > 0) & (np.linalg.norm((to - start).reshape(-1, 2), axis=1) < _REACH))
+        if len(good):
+            back, again, _ = cv2.calcOpticalFlowPyrLK(laid, template.picture, to[good], to[good], **options)
+            missed = np.linalg.norm((back - start[good]).reshape(-1, 2), axis=1)
+            good = good[(again.ravel() > 0) & (missed < _BACK)]
         there = ground.scene(to.reshape(-1, 2)[good].astype(np.float64))
         return Sighting(camera, size[0], template.scene[good], project(projection, there))

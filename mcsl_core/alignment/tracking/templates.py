@@ -109,6 +109,14 @@ def templates(
 def level(grey: Grey) -> Grey:
     """Brightness and contrast of the surroundings taken out: exposure and shading tell nothing."""
     values = grey.astype(np.float32)
-    above = values - cv2.GaussianBlur(values, (0, 0), _SURROUNDINGS)
-    spread = np.sqrt(cv2.GaussianBlur(np.square(above), (0, 0), _SURROUNDINGS) + 16)
-    return np.clip(128 + _CONTRAST * above / spread, 0, 255).astype(np.uint8)
+    above = values - _about(values)
+    spread = cv2.sqrt(_about(above * above) + 16)
+    return np.asarray(cv2.addWeighted(cv2.divide(above, spread), _CONTRAST, above, 0, 128, dtype=cv2.CV_8U), np.uint8)
+
+
+def _about(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """The mean of the surroundings, from half the size: an eighth of the time, half a code off."""
+    height, width = values.shape
+    small = cv2.resize(values, (max(1, width // 2), max(1, height // 2)), interpolation=cv2.INTER_AREA)
+    small = cv2.GaussianBlur(small, (0, 0), _SURROUNDINGS / 2)
+    return np.asarray(cv2.resize(small, (width, height), interpolation=cv2.INTER_LINEAR), np.float32)
