@@ -7,8 +7,8 @@ pictures were made for; where today's differs, they no longer hold. That goes by
 seconds only the changed stretch falls away, and it comes back by itself when the decision does.
 
 What `mcsl conform` makes anew is decided by its own keys, which are stricter: a file is made again when anything in it
-changed, and where the fill takes from earlier pictures a change reaches some frames further. Those frames differ from
-the exact ones by fill alone until then.
+changed, and where the fill takes from earlier pictures a change reaches some frames further, and a sixth of a second
+where heads are seen through about a movement. Those frames differ from the exact ones by that alone until then.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from attrs import frozen
 from mcsl_core.documents import canonical_json
 from mcsl_core.edl import Edl
 from mcsl_core.edl.dependencies import View, movement_over, relief_of, sees_through, views_of
+from mcsl_core.edl.following import followed_over, poses_beside
 from mcsl_core.edl.resolve import Decision, resolve_by_pose
 from mcsl_core.timing import FrameRange, joined, merge_equal
 
@@ -57,8 +58,23 @@ def basis_of(edl: Edl) -> Basis:
         facts += ["see through"] if through else []
         for part, eases in _eased(span, decision):  # a centre by hand glides in and out; between, it stands
             own = [*facts, centering, eases] if eases else facts
-            pieces += [(p, _digest([*own, moves] if moves else own)) for p, moves in _moving(part, followed)]
+            for p, moves in _moving(part, followed):
+                behind = _behind(edl, p) if through and moves else []
+                pieces.append((p, _digest([*own, moves, *behind] if moves else own)))
     return tuple(merge_equal(pieces))
+
+
+def _behind(edl: Edl, span: FrameRange) -> list[Any]:
+    """The poses beside movements in ``span``, from which it is known what there is behind heads meanwhile."""
+    near = {pose.range: pose for movement in followed_over(edl, span) for pose in poses_beside(edl, movement)}
+    return [
+        [
+            pose.homographies,
+            {name: colour.matrix for name, colour in pose.colour.items()},
+            relief_of(edl, pose, surface=True),
+        ]
+        for pose in near.values()
+    ]
 
 
 def _moving(part: FrameRange, followed: Mapping[FrameRange, str]) -> list[tuple[FrameRange, str]]:

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from mcsl_core.edl import Colour
-from mcsl_core.imaging.correlation import correlation
+from mcsl_core.imaging.correlation import Values, correlation, mean
 from mcsl_core.imaging.masks import Mask, resize_mask
 
 from .aligned_views import AlignedPose, Picture
@@ -22,7 +22,8 @@ from .colour_match import match_colours
 Samples = Sequence[Mapping[str, Picture | None]]
 
 _COLUMNS = 160  # of the cells that are held against each other
-_ALIKE = 0.9  # correlation of the same thing; chance has .8 in a twenty-fifth of a picture, .9 in an eightieth
+_ALIKE = 0.9  # correlation of the same thing
+_SURROUNDINGS = 17  # cells
 _LEAST = 0.02  # of the picture, in the mean of the samples
 _STEADY = 6  # levels of 255 that a pixel may be off its median half of the time: noise and breathing, not hands
 _OVERLAP = 0.02  # of the picture
@@ -102,5 +103,11 @@ def _alike(a: Picture, b: Picture, both: Mask) -> Mask:
     lumas = []
     for picture in (a, b):
         luma = cv2.resize(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), size, interpolation=cv2.INTER_AREA)
-        lumas.append(np.where(outside, np.nan, luma).astype(np.float32))
+        lumas.append(np.where(outside, np.nan, luma - _about(luma.astype(np.float32), ~outside)).astype(np.float32))
     return resize_mask(correlation(*lumas)[0] > _ALIKE, (width, height))
+
+
+def _about(luma: Values, inside: Mask) -> Values:
+    """The mean of the surroundings: one smooth slope, as light that falls off, is like any other."""
+    known = inside.astype(np.float32)
+    return np.asarray(mean(luma * known, _SURROUNDINGS) / np.maximum(mean(known, _SURROUNDINGS), 1e-3), np.float32)

@@ -18,8 +18,9 @@ from scipy.special import rel_entr
 
 from mcsl_core.imaging.convex import convex_region
 from mcsl_core.imaging.masks import Mask, close_gaps, convex_hull, hue_mask, main_region
+from mcsl_core.parallel import by_threads
 
-from .aligned_views import AlignedPose, Picture
+from .aligned_views import AlignedPose, AlignedView, Picture
 from .field import aim_of, modal_picture
 
 Float = NDArray[np.float32]
@@ -113,15 +114,23 @@ def gather(aligned: AlignedPose, samples: Sequence[Mapping[str, Picture | None]]
     usual = cv2.cvtColor(picture, cv2.COLOR_BGR2LAB).astype(np.int16)
     total, count = np.zeros(usual.shape, np.float32), np.zeros(usual.shape[:2], np.float32)
     passing, staying = np.zeros(_BINS**3), np.zeros(_BINS**3)
+
+    def told(view: AlignedView) -> tuple[NDArray, NDArray, NDArray, Mask]:
+        lab = cv2.cvtColor(cv2.GaussianBlur(view.aligned, (0, 0), 0.7), cv2.COLOR_BGR2LAB).astype(np.int16)
+        apart = np.abs(lab - usual)
+        light, colour = apart[..., 0], apart[..., 1:].max(axis=2)
+        off = (light > _OFF[0]) | (colour > _OFF[1])
+        near = view.inside & (light <= 0.75 * _OFF[0]) & (colour <= 0.75 * _OFF[1])
+        bins = _bins(lab)
+        passes, stays = (
+            np.bincount(bins[where], minlength=_BINS**3) for where in (view.inside & off, view.inside & ~off)
+        )
+        return passes, stays, lab, near
+
     for pictures in samples[:: max(1, len(samples) // 20)]:
-        for view in aligned.views(pictures):
-            lab = cv2.cvtColor(cv2.GaussianBlur(view.aligned, (0, 0), 0.7), cv2.COLOR_BGR2LAB).astype(np.int16)
-            light, colour = np.abs(lab - usual)[..., 0], np.abs(lab - usual)[..., 1:].max(axis=2)
-            off = (light > _OFF[0]) | (colour > _OFF[1])
-            near = view.inside & (light <= 0.75 * _OFF[0]) & (colour <= 0.75 * _OFF[1])
-            bins = _bins(lab)
-            passing += np.bincount(bins[view.inside & off], minlength=_BINS**3)
-            staying += np.bincount(bins[view.inside & ~off], minlength=_BINS**3)
+        for passes, stays, lab, near in by_threads(told, aligned.views(pictures)):
+            passing += passes
+            staying += stays
             total += lab * near[..., None]
             count += near
     mean = np.where(count[..., None] > 0, total / np.maximum(count, 1)[..., None], usual).astype(np.float32)

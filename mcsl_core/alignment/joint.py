@@ -18,6 +18,7 @@ from scipy.optimize import least_squares
 
 from mcsl_core.edl import Weak
 from mcsl_core.imaging.geometry import Array, half_widths, transform_points
+from mcsl_core.parallel import by_threads
 
 from .correspondences import CELL_PX, Correspondences, off_epipolar
 from .protocol import Alignment
@@ -121,11 +122,9 @@ def align(
     """
     settings = settings or AlignmentSettings()
     names = sorted(sizes)
-    fits: dict[Pair, PairFit] = {}
-    for (a, b), matches in sorted(pairs.items()):
-        fit = fit_pair(matches, sizes[a], sizes[b], settings)
-        if fit is not None:
-            fits[a, b] = fit
+    order = sorted(pairs)
+    fitted = by_threads(lambda pair: fit_pair(pairs[pair], sizes[pair[0]], sizes[pair[1]], settings), order)
+    fits: dict[Pair, PairFit] = {pair: fit for pair, fit in zip(order, fitted, strict=True) if fit is not None}
     trusted = set(names)
     while True:
         possible = {pair: fit for pair, fit in fits.items() if trusted.issuperset(pair)}

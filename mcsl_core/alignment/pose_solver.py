@@ -18,13 +18,14 @@ from mcsl_core.edl import Colour, Pose, Weak
 from mcsl_core.edl.field import MIDDLE, PICTURES
 from mcsl_core.imaging.geometry import size_at_columns, to_edl_matrix
 from mcsl_core.imaging.masks import Mask, central_ellipse, resize_mask
+from mcsl_core.parallel import by_threads
 from mcsl_core.progress import Progress
 from mcsl_core.timing import FrameRange
 
 from .agreed_colours import agreed_colours
 from .aligned_views import AlignedPose
 from .clear_frames import degree_of_occlusion, field_area
-from .correspondences import Pairs
+from .correspondences import Correspondences, Pairs
 from .field import field_by_vote, field_in_camera, shared_aim
 from .field_voices import find_field
 from .observations import Observations, Samples, SolvedPose, match_cameras, observe, spread, weight_matches
@@ -111,7 +112,8 @@ class PoseSolver:
         observations = observe(clear, for_field, samples, self.matcher)
         first, by_points = self._by_points(observations, known)
         pictures = [samples[i].pictures for i in for_dense]
-        steady = {name: steady_view([shown.get(name) for shown in pictures]) for name in self.sizes}
+        views_of = by_threads(lambda name: steady_view([shown.get(name) for shown in pictures]), self.sizes)
+        steady = dict(zip(self.sizes, views_of, strict=True))
         views = Views(self.reference, self.sizes, steady, pictures)
         cameras = relief_cameras(views, first.homographies, rigs)
         if known is None:  # what is found in views laid by their points lays them well enough to find it again
@@ -145,10 +147,13 @@ class PoseSolver:
         each sees the field itself, then by where all together have it.
         """
         sizes = self.sizes
-        found = {
-            (a, b): match_cameras(observations[a], observations[b], sizes[a], sizes[b], self.matcher, self.settings)
-            for a, b in combinations(sorted(observations), 2)
-        }
+
+        def matched(pair: tuple[str, str]) -> Correspondences:
+            (a, b), (size_a, size_b) = (observations[n] for n in pair), (sizes[n] for n in pair)
+            return match_cameras(a, b, size_a, size_b, self.matcher, self.settings)
+
+        pairs = list(combinations(sorted(observations), 2))
+        found = dict(zip(pairs, by_threads(matched, pairs), strict=True))
         fields = {name: own.field for name, own in observations.items()}
         if known is not None and self.reference in fields:
             fields[self.reference] = resize_mask(known, fields[self.reference].shape[::-1])

@@ -31,7 +31,7 @@ from mcsl_core.imaging.warp import (
     warp_planes,
     warp_planes_by_field,
 )
-from mcsl_core.lru_cache import LruCache, kept
+from mcsl_core.lru_cache import LruCache
 
 from .parallax import Parallax
 from .picture_source import PicturePlayer, PictureSource
@@ -42,6 +42,7 @@ _PICTURES_BYTES = 50_000_000  # warped medians: 16 of the whole frame
 _MAPS_BYTES = 60_000_000  # tables for remapping: 3 of the whole frame
 _MEDIANS_BYTES = 5_000_000  # medians by cell, 24 kB each
 _EDGES_BYTES = 5_000_000  # tapered warp fields, 80 kB each
+_PLACES_BYTES = 200_000  # of cameras in poses and single frames
 _EDGE = 1 / 15  # of the programme's width: over so much the chosen camera's picture goes over into the others'
 _MOVING = 2.0  # times as far apart the nodes of a surface lie that serves one frame; the field is .02 px off by it
 _FOLLOWED = 16  # poses of single frames that are kept
@@ -106,6 +107,8 @@ class CameraWarper:
         self._maps: LruCache[RemapTables] = LruCache(round(larger * _MAPS_BYTES))
         self._medians: LruCache[list[U8] | None] = LruCache(round(larger * _MEDIANS_BYTES))
         self._edges: LruCache[WarpField | None] = LruCache(_EDGES_BYTES)
+        self._placements: LruCache[tuple[Homography, bool]] = LruCache(_PLACES_BYTES)
+        self._others: LruCache[tuple[str, ...]] = LruCache(_PLACES_BYTES)
 
     def own_picture(self, camera: str, frame: int) -> Planes | None:
         """The camera's own picture at programme frame ``frame``, decoded once; None where it has none."""
@@ -141,9 +144,11 @@ class CameraWarper:
         """Whether it is known where the camera's picture lies in pose ``pose_index``."""
         return self._placement(pose_index, camera)[1]
 
-    @kept
     def others(self, pose_index: int, camera: str) -> tuple[str, ...]:
         """The cameras that may stand in for ``camera`` in a pose: the reference, then by nearness of viewpoint."""
+        return self._others.get((pose_index, camera), lambda: self._in_order(pose_index, camera))
+
+    def _in_order(self, pose_index: int, camera: str) -> tuple[str, ...]:
         front, size = self._placement(pose_index, camera)[0], self.edl.camera(camera).size
         known = [c.name for c in self.edl.cameras if c.name != camera and self.is_placed(pose_index, c.name)]
 
@@ -299,12 +304,15 @@ class CameraWarper:
         matrix, known = self._placement(pose_index, camera)
         return translation(*offset) @ matrix if known else matrix
 
-    @kept
     def _placement(self, pose_index: int, camera: str) -> tuple[Homography, bool]:
         """Where a camera's picture lies before centering, and whether that is known."""
-        pose = self.pose(pose_index)
-        matrix = programme_matrix(self.edl, pose, camera)
-        return matrix, placement_matrix(self.edl, pose, camera) is not None
+
+        def make() -> tuple[Homography, bool]:
+            pose = self.pose(pose_index)
+            known = placement_matrix(self.edl, pose, camera) is not None
+            return programme_matrix(self.edl, pose, camera), known
+
+        return self._placements.get((pose_index, camera), make)
 
 
 def _facts(relief: Relief | None) -> Hashable:

@@ -22,7 +22,7 @@ from mcsl_core.filling.see_through import Background, Moment, backgrounds
 from mcsl_core.filling.visual_hull import Cells, Rays, grid_size, rays_of, taken
 from mcsl_core.imaging.planes import Planes
 from mcsl_core.imaging.relief import ReliefMap
-from mcsl_core.lru_cache import LruCache, kept
+from mcsl_core.lru_cache import LruCache
 from mcsl_core.timing import FrameRange
 
 from .camera_warper import CameraWarper
@@ -30,6 +30,7 @@ from .placement import has_relief
 from .read_ahead import ReadAhead
 
 _CELLS_BYTES = 60_000_000  # of pictures and medians on cells, 170 kB each
+_RAYS_BYTES = 90_000_000  # of poses' rays, 29 MB each with five cameras
 _UNSURE = 0.01  # weight of what nobody verifies, beside what is
 _OWN = 4.0  # weight of what the camera itself shows of a place, beside what another does: gloss is a viewpoint's own
 
@@ -58,6 +59,7 @@ class Moments:
     def forget(self) -> None:
         """Let go of what was kept."""
         self._cells: LruCache[Cells | None] = LruCache(_CELLS_BYTES)
+        self._known_rays: LruCache[Mapping[str, Rays]] = LruCache(_RAYS_BYTES)
         self._backgrounds: LruCache[Mapping[str, Background]] = LruCache(_CELLS_BYTES)
 
     def at(self, frame: int, now: int) -> Moment | None:
@@ -96,14 +98,17 @@ class Moments:
             if pose.relief is None:
                 continue
             mine = [(both, p) for span, p in followed if (both := span.intersection(pose.range)) is not None]
-            start = max((span.stop for span, _ in mine if span.start <= still.start), default=still.start)
-            stop = min((span.start for span, _ in mine if span.start >= start), default=still.stop)
-            stands = [(FrameRange(start, stop), pose.perspective)] if start < stop else []
-            yield from sorted([*mine, *stands], key=lambda piece: piece[0].start)
+            at = still.start
+            for span, perspective in mine:
+                if at < min(span.start, still.stop):
+                    yield FrameRange(at, min(span.start, still.stop)), pose.perspective
+                yield span, perspective
+                at = max(at, span.stop)
+            if at < still.stop:
+                yield FrameRange(at, still.stop), pose.perspective
 
-    @kept
     def _rays_of_pose(self, pose_index: int) -> Mapping[str, Rays]:
-        return self._rays(pose_index)
+        return self._known_rays.get(pose_index, lambda: self._rays(pose_index))
 
     def _rays(self, laid_by: int) -> Mapping[str, Rays]:
         """Of the cameras that the relief lays; empty where it does not tell which way is up."""

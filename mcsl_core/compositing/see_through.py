@@ -142,14 +142,18 @@ class SeeThrough:
         fade = self._fade(context, stretch)
         decided = [(self._patches(context, at), weight * fade) for at, weight in near]
         names = dict.fromkeys(name for patches, _ in decided for name in patches)
+        lost: Cells | None = None
         found = {}
         for name in names:
             own = [(patches[name], weight) for patches, weight in decided if name in patches]
             weight = sum(w * patch.weight for patch, w in own)
+            if not self._warper.has_relief(context.laid_by, name):  # decided where it was known how it lies
+                lost = np.asarray(weight if lost is None else lost + weight, np.float32)
+                continue
             total = sum(w for _, w in own)
             colour = sum(w * patch.colour for patch, w in own) / np.float32(max(total, 1e-6))
             found[name] = Patch(np.asarray(weight, np.float32), np.asarray(colour, np.float32))
-        return found
+        return found if lost is None else _with_more(found, lost)
 
     def _fade(self, context: FrameContext, stretch: FrameRange) -> float:
         """0..1: less near where the lamp begins to move or comes to rest, and is not followed."""
@@ -199,6 +203,13 @@ class SeeThrough:
         front, size = programme_matrix(edl, pose, camera), edl.camera(camera).size
         others = (name for name in moment.live if name != camera)
         return sorted(others, key=lambda name: viewpoint_difference(front, programme_matrix(edl, pose, name), size))
+
+
+def _with_more(patches: Mapping[str, Patch], more: Cells) -> dict[str, Patch]:
+    """With more weight for those that have at least a quarter of it: so no head comes back by halves."""
+    total = sum((patch.weight for patch in patches.values()), np.zeros_like(more))
+    times = np.where(4 * total >= more, 1 + more / np.maximum(total, _TRACE), 1).astype(np.float32)
+    return {name: Patch(patch.weight * times, patch.colour) for name, patch in patches.items()}
 
 
 def _meeting(moment: Moment, camera: str, other: str, above: Cells, clear: Cells) -> Cells:

@@ -185,14 +185,17 @@ class _Facts:
             return _digest(found) if found else None
         on_either_side = decided_within(float(self.edl.rate))
         wide = FrameRange(max(0, part.start - on_either_side), part.stop + on_either_side)
-        found = movement_over(self.edl, wide)
-        return _digest([found, *self._beside_movements(wide)]) if found else None
+        beside = self._beside_part(wide, pose_index)
+        return _digest([movement_over(self.edl, wide), *beside]) if beside else None
 
-    def _beside_movements(self, part: FrameRange) -> list[Any]:
-        """The poses from which it is known what the cameras show where nobody is, while the lamp moves in ``part``."""
+    def _beside_part(self, part: FrameRange, pose_index: int) -> list[Any]:
+        """Other poses in ``part``, and those from which it is known what there is behind heads while the lamp moves."""
         movements = followed_over(self.edl, part)
         near = {pose.range for movement in movements for pose in poses_beside(self.edl, movement)}
-        return [self._beside(i, True) for i, pose in enumerate(self.edl.poses) if pose.range in near]
+        poses = [i for i, pose in enumerate(self.edl.poses) if pose.range in near or pose.range.intersection(part)]
+        if not movements and poses == [pose_index]:
+            return []
+        return [[self.edl.poses[i].perspective, self._beside(i, True)] for i in poses]
 
     @kept
     def _bounds(self, pose_index: int) -> tuple[Offset, Offset]:

@@ -148,7 +148,12 @@ def movement_over(edl: Edl, part: FrameRange) -> list[Any]:
         colours = [{name: colour.matrix for name, colour in pose.colour.items()} for pose in beside]
         reliefs = [pose.relief and [pose.relief.gamma, pose.relief.confidence] for pose in beside]
         goes_over = list(zip(colours, reliefs, strict=True))
-        found.append([[[v.frame, v.homographies, v.projections] for v in movement.views], goes_over])
+        views = [[v.frame, v.homographies, v.projections] for v in movement.views]
+        lasts = FrameRange(movement.views[0].frame, movement.views[-1].frame + 1)
+        by_hand = [
+            [c.camera, c.range.start, c.range.stop, c.matrix] for c in edl.corrections if lasts.intersection(c.range)
+        ]
+        found.append([views, goes_over, *([by_hand] if by_hand else [])])
     return found
 
 

@@ -15,6 +15,7 @@ from attrs import evolve
 from mcsl_core.imaging.geometry import Array, inverse, project, scaling, transform_points
 from mcsl_core.imaging.masks import Mask, central_ellipse, mask_at, warp_mask
 from mcsl_core.imaging.relief import node_pixels
+from mcsl_core.parallel import by_threads
 
 from ..steady import steady_view
 from .cameras import ReliefCameras
@@ -112,15 +113,16 @@ def _scene(
     """The pose's scene over pixels of its reference camera, its planes over programme pixels."""
     count = len(views.samples)
     groups = [slice(g * count // _GROUPS, (g + 1) * count // _GROUPS) for g in range(_GROUPS)]
-    made: dict[str, ReliefCamera] = {}
-    for name, projection in cameras.projections.items():
-        if name not in to_programme:
-            continue
+
+    def seen_by(name: str) -> ReliefCamera:
         shown = [sample.get(name) for sample in views.samples]
         found = [views.steady.get(name), *(steady_view(shown[group]) for group in groups)]
         own = ~foreign[name].sure if name in foreign else True
         pictures = tuple(ReliefView(view.picture, view.steady & own) for view in found if view is not None)
-        made[name] = ReliefCamera(views.sizes[name], projection, inverse(to_programme[name]), pictures)
+        return ReliefCamera(views.sizes[name], cameras.projections[name], inverse(to_programme[name]), pictures)
+
+    names = [name for name in cameras.projections if name in to_programme]
+    made = dict(zip(names, by_threads(seen_by, names), strict=True))
     return ReliefScene(views.sizes[views.reference], made, cameras.points)
 
 

@@ -109,8 +109,8 @@ def templates(
 def level(grey: Grey) -> Grey:
     """Brightness and contrast of the surroundings taken out: exposure and shading tell nothing."""
     values = grey.astype(np.float32)
-    above = values - _about(values)
-    spread = cv2.sqrt(_about(above * above) + 16)
+    above: NDArray[np.float32] = np.subtract(values, _about(values), dtype=np.float32)
+    spread = cv2.sqrt(_about(np.square(above)) + 16)
     return np.asarray(cv2.addWeighted(cv2.divide(above, spread), _CONTRAST, above, 0, 128, dtype=cv2.CV_8U), np.uint8)
 
 
