@@ -69,3 +69,14 @@ def test_an_instant_without_a_picture_is_left_out() -> None:
     assert agreed_colours(POSE, [{**shown[0], "b": None}, {**shown[1], "a": None}]) == {}
     assert codes_off(agreed_colours(POSE, [{**shown[0], "a": None}, *shown[1:]])["b"]) < 6
     assert steady_colours(POSE, shown, set()) == {}
+
+
+def test_light_that_falls_off_alike_is_nothing_in_common() -> None:
+    """A green drape before one camera, a blue cap before the other, both smooth."""
+    y, x = np.mgrid[: SIZE[1], : SIZE[0]]
+    light = 1 - 0.5 * ((x / SIZE[0] - 0.5) ** 2 + (y / SIZE[1] - 0.5) ** 2) * 2
+    pictures = {
+        name: np.clip(light[..., None] * np.array(colour), 0, 255).astype(np.uint8)
+        for name, colour in (("a", (90, 150, 60)), ("b", (190, 110, 60)))
+    }
+    assert agreed_colours(POSE, [dict(pictures)] * 5) == {}

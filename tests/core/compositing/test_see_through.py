@@ -10,7 +10,7 @@ from peopled_scene import HAND, HEAD, Filmed, Thing, above, programme
 from pictures import psnr
 
 from mcsl_core.compositing.compositor import Compositor
-from mcsl_core.edl import Movement, Override
+from mcsl_core.edl import Movement, Override, Weak
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.provenance import ShowProvenance
 from mcsl_core.imaging.planes import bgr_to_planes
@@ -212,6 +212,36 @@ def test_a_frame_is_the_same_in_whatever_range_it_is_made_where_the_lamp_begins_
     for frame in (31, 33, 36, 43):
         for a, b in zip(one(edl, film, frame), whole[frame - 30], strict=True):
             assert np.array_equal(a, b)
+
+
+def test_a_camera_of_which_nobody_knows_how_it_lies_while_the_lamp_moves_shows_nothing_then():
+    """It is decided where the lamp stood that it shows what is under the head; the others do, from the first frame."""
+    made = scene.followed_programme("cam1")
+    (movement,), (before, after) = made.movements, made.poses
+
+    def less(known: dict) -> dict:
+        return {name: value for name, value in known.items() if name != "cam2"}
+
+    views = tuple(
+        attrs.evolve(v, homographies=less(v.homographies), projections=less(v.projections)) for v in movement.views
+    )
+    relief = attrs.evolve(after.relief, projections=less(after.relief.projections))
+    after = attrs.evolve(after, homographies=less(after.homographies), relief=relief, weak=(Weak("cam2", "hidden"),))
+    edl = attrs.evolve(made, movements=(attrs.evolve(movement, views=views),), poses=(before, after))
+    first = movement.views[0].frame
+    film, lamp = Filmed([everywhere(first)], lamp=scene.moved), scene.moved
+    for frame in (first - 1, first, first + 1):
+        assert psnr(one(edl, film, frame).y, one(edl, Filmed([], lamp=lamp), frame).y, inside(40)) > 28
+
+
+def test_what_was_worked_out_is_let_go_of():
+    edl, film = scene.followed_programme("cam1"), Filmed([everywhere(36)], lamp=scene.moved)
+    with Compositor(edl, film) as compositor:
+        list(compositor.frames(FrameRange(32, 37)))
+        moments = compositor._see_through._moments
+        assert moments._known_rays.bytes == 0, "a range that has been made is closed"
+        assert len(compositor.seen_through(36)) > 0
+        assert moments._known_rays.bytes > 0
 
 
 def test_provenance_tells_what_was_replaced():

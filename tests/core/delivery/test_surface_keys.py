@@ -9,7 +9,7 @@ import relief_scene as scene
 from two_cameras import FRAMES, SIZE, make, write_sources
 
 from mcsl_core.delivery.chunk_keys import plan_chunks
-from mcsl_core.edl import Colour, Override, from_json, to_json
+from mcsl_core.edl import Colour, Correction, Override, from_json, to_json
 from mcsl_core.timing import FrameRange
 
 
@@ -99,3 +99,22 @@ def test_in_movements_what_is_seen_through_depends_on_the_poses_beside(films):
     after = attrs.evolve(made.poses[1], colour={"cam2": darker})
     first, other = (keys(edl, films) for edl in (made, attrs.evolve(made, poses=(made.poses[0], after))))
     assert [a != b for a, b in zip(first, other, strict=True)] == [n >= 19 for n in range(40)], "a chunk a second"
+
+
+@pytest.mark.parametrize("see_through", [False, True])
+def test_a_nudge_over_a_movement_alone_changes_what_is_shown_in_it(films, see_through):
+    made = longer(see_through=see_through)
+    nudge = Correction(FrameRange(202, 210), "cam1", ((1.0, 0.0, 3.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
+    first, other = (keys(edl, films) for edl in (made, attrs.evolve(made, corrections=(nudge,))))
+    changed = {n for n, (a, b) in enumerate(zip(first, other, strict=True)) if a != b}
+    assert {20, 21} <= changed <= {19, 20, 21, 22}
+
+
+def test_where_poses_meet_without_a_movement_both_tell_what_is_behind_heads(films):
+    made = attrs.evolve(longer(see_through=True), movements=())
+    cut = made.poses[1].range.start
+    darker = Colour(((0.9, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)))
+    other = attrs.evolve(made, poses=(made.poses[0], attrs.evolve(made.poses[1], colour={"cam2": darker})))
+    same = [a == b for a, b in zip(keys(made, films), keys(other, films), strict=True)]
+    assert same.index(False) == (cut - 1) // 10
+    assert not any(same[cut // 10 :])
