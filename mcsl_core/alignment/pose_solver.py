@@ -23,7 +23,7 @@ from mcsl_core.progress import Progress
 from mcsl_core.timing import FrameRange
 
 from .agreed_colours import agreed_colours
-from .aligned_views import AlignedPose
+from .aligned_views import AlignedPose, Picture
 from .clear_frames import degree_of_occlusion, field_area
 from .correspondences import Correspondences, Pairs
 from .field import field_by_vote, field_in_camera, shared_aim
@@ -112,8 +112,7 @@ class PoseSolver:
         observations = observe(clear, for_field, samples, self.matcher)
         first, by_points = self._by_points(observations, known)
         pictures = [samples[i].pictures for i in for_dense]
-        views_of = by_threads(lambda name: steady_view([shown.get(name) for shown in pictures]), self.sizes)
-        steady = dict(zip(self.sizes, views_of, strict=True))
+        steady = self._steady(pictures)
         views = Views(self.reference, self.sizes, steady, pictures)
         cameras = relief_cameras(views, first.homographies, rigs)
         if known is None:  # what is found in views laid by their points lays them well enough to find it again
@@ -134,6 +133,11 @@ class PoseSolver:
         kept = {name: Observations(own.features[::4], own.field) for name, own in observations.items()}
         solved = SolvedPose(pose, aligned, tuple(for_dense), kept, PICTURES if sure else MIDDLE)
         return solved if cameras is None else solved.seeing(cameras, views)
+
+    def _steady(self, pictures: Sequence[Mapping[str, Picture | None]]) -> dict[str, SteadyView | None]:
+        """What every camera shows steadily."""
+        found = by_threads(lambda name: steady_view([shown.get(name) for shown in pictures]), self.sizes)
+        return dict(zip(self.sizes, found, strict=True))
 
     def _clear(self, standing: Sequence[int], samples: Samples) -> list[int]:
         """The samples to find points in."""
