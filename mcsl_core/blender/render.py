@@ -60,7 +60,7 @@ class RenderSettings:
     blender : str, Blender or None
         The Blender to start, or its path; the first that is found without.
     quality : {"standard", "draft", "fine"}
-        Of the conformed pictures; with ``direct`` it chooses the resampling alone.
+        Of the conformed pictures, which ``direct`` takes where they are there; else it chooses the resampling alone.
     jobs : int or None
         Chunks made at the same time; one a core without.
     show_origin : bool
@@ -250,4 +250,6 @@ def _direct(edl: Edl, edl_path: Path, out: Path, how: RenderSettings, progress: 
         audio_channels=AUDIO_CHANNELS,
         resampling=how.quality.resampling,
     )
-    write_direct(ProgrammeSource(edl, edl_path.parent, filler, how.audio), out, video=video, progress=progress)
+    source = ProgrammeSource(edl, edl_path.parent, filler, how.audio)
+    conformed = None if how.show_origin else default_folder(edl_path)
+    write_direct(source, out, video=video, conformed=conformed, quality=how.quality, progress=progress)

@@ -19,6 +19,8 @@ from mcsl_core.recording.footage import footage_of
 from mcsl_core.timing import FrameRange
 
 from .audio import AUDIO_RATE, is_audible
+from .quality import STANDARD, Quality
+from .reuse import chunks_there, pictures
 from .source import ProgrammeSource
 
 
@@ -53,15 +55,24 @@ def write_direct(
     *,
     video: VideoFormat = VideoFormat(),
     piece: FrameRange | None = None,
+    conformed: Path | None = None,
+    quality: Quality = STANDARD,
     progress: Progress | None = None,
 ) -> None:
-    """Writes the programme (or ``piece`` of it) with sound to ``path`` without Blender, in flat memory."""
+    """Writes the programme (or ``piece`` of it) with sound to ``path`` without Blender, in flat memory.
+
+    Pictures that lie conformed in the folder ``conformed``, in this ``quality``, are taken from there.
+    """
     progress = progress or Silent()
     edl = source.edl
     piece = piece or FrameRange(0, edl.frames)
     size, camera = video.size or edl.size, source.sound_camera
     read_contents(media_files(edl, source.base), progress)
     tell_of_changed_media(edl, source.base, progress)
+    chunks = () if conformed is None else chunks_there(source, conformed, quality)
+    taken = sum(len(both) for chunk in chunks if (both := chunk.range.intersection(piece)) is not None)
+    if taken:
+        progress.note(f"{taken} of {len(piece)} frames are taken from {conformed}, where they are conformed")
     footage = footage_of(edl, source.base, threads=0)
     start_s, stop_s = (Fraction(frame) / edl.rate for frame in (piece.start, piece.stop))
     sound = None
@@ -80,7 +91,8 @@ def write_direct(
             audio_channels=video.audio_channels,
         ) as writer,
     ):
-        for done, planes in enumerate(compositor.frames(piece), start=1):
+        made = pictures(compositor, piece, chunks, conformed or source.base)
+        for done, planes in enumerate(made, start=1):
             writer.write(resize_planes(planes, size))
             while (
                 sound is not None and writer.samples * edl.rate < done * AUDIO_RATE

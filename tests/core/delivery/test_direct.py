@@ -9,8 +9,9 @@ from two_cameras import CLICK_S, EXPECTED, FRAMES, click_track, make, shown
 
 from mcsl_core.delivery.conform import conform
 from mcsl_core.delivery.direct import VideoFormat, write_direct
+from mcsl_core.delivery.quality import QUALITIES, STANDARD
 from mcsl_core.delivery.source import ProgrammeSource
-from mcsl_core.edl import Look
+from mcsl_core.edl import Look, Override
 from mcsl_core.errors import Cancelled
 from mcsl_core.media.writing import Encoding
 from mcsl_core.progress import Silent
@@ -57,3 +58,44 @@ def test_direct_writes_other_sizes_and_stretches_and_leaves_nothing_when_stopped
     with pytest.raises(Cancelled):
         write_direct(source, tmp_path / "stopped.mp4", progress=Stops())
     assert [p.name for p in tmp_path.iterdir()] == ["small.mp4"]
+
+
+def luma(path):
+    with av.open(str(path)) as container:
+        return [frame.to_ndarray(format="yuv420p")[: SIZE[1]] for frame in container.decode(video=0)]
+
+
+LOSSLESS = VideoFormat(Encoding(options={"preset": "ultrafast", "qp": "0"}))
+
+
+def test_what_is_conformed_is_taken_from_there_and_the_rest_is_made(sources, tmp_path):
+    source, folder = ProgrammeSource(make(), sources), tmp_path / "out"
+    done = conform(source, folder)
+    assert len(done.chunks) > 1, "for one to be there and one not"
+    chunks = {chunk.range: luma(done.path(chunk)) for chunk in done.chunks}
+    done.path(done.chunks[1]).unlink()
+    write_direct(source, tmp_path / "anew.mp4", video=LOSSLESS)
+    write_direct(source, tmp_path / "taken.mp4", video=LOSSLESS, conformed=folder)
+    anew, taken = luma(tmp_path / "anew.mp4"), luma(tmp_path / "taken.mp4")
+    assert len(taken) == FRAMES
+    for n, chunk in enumerate(done.chunks):
+        for frame in chunk.range:
+            expected = anew[frame] if n == 1 else chunks[chunk.range][frame - chunk.range.start]
+            assert np.array_equal(taken[frame], expected), frame
+    some = FrameRange(done.chunks[0].range.stop - 5, done.chunks[1].range.start + 7)
+    write_direct(source, tmp_path / "some.mp4", video=LOSSLESS, piece=some, conformed=folder)
+    assert all(np.array_equal(a, taken[n]) for a, n in zip(luma(tmp_path / "some.mp4"), some, strict=True))
+
+
+def test_conformed_pictures_of_other_decisions_or_another_quality_are_not_taken(sources, tmp_path):
+    folder = tmp_path / "out"
+    conform(ProgrammeSource(make(), sources), folder)
+    changed = make(overrides=(Override(FrameRange(0, 5), camera="b"), Override(FrameRange(40, FRAMES), camera="a")))
+    for name, edl, quality in (("changed", changed, STANDARD), ("fine", make(), QUALITIES["fine"])):
+        source = ProgrammeSource(edl, sources)
+        write_direct(source, tmp_path / f"{name}.mp4", video=LOSSLESS)
+        write_direct(source, tmp_path / f"{name}-2.mp4", video=LOSSLESS, conformed=folder, quality=quality)
+        both = (luma(tmp_path / f"{name}.mp4"), luma(tmp_path / f"{name}-2.mp4"))
+        assert all(
+            np.array_equal(a, b) for a, b in list(zip(*both, strict=True))[: 30 if name == "changed" else FRAMES]
+        )
