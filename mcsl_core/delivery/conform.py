@@ -6,6 +6,7 @@ own name only when it is whole. So an interrupted run loses the chunks it was at
 
 from __future__ import annotations
 
+import contextlib
 import os
 import threading
 from collections.abc import Sequence
@@ -13,7 +14,6 @@ from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from pathlib import Path
 
 import attrs
-import cv2
 from attrs import frozen
 
 from mcsl_core.compositing.compositor import Compositor
@@ -25,6 +25,7 @@ from mcsl_core.media.writing import VideoWriter
 from mcsl_core.outputs.claim import claim_folder, is_same_file
 from mcsl_core.outputs.locks import in_turn
 from mcsl_core.outputs.manifest import Manifest
+from mcsl_core.parallel import opencv_in_one_thread
 from mcsl_core.progress import Progress, Silent
 from mcsl_core.recording.changed_media import media_files, tell_of_changed_media
 from mcsl_core.recording.contents import read_contents
@@ -269,23 +270,18 @@ def _make_chunks(
     progress.stage("Conforming", sum(len(chunk.range) for chunk in missing), "frames")
     maker = _ChunkMaker(source, out, quality, jobs=jobs)
     manifest = Manifest.inside(out)
-    threads_before = cv2.getNumThreads()
-    if jobs > 1:
-        cv2.setNumThreads(1)
     waiting, running = list(reversed(missing)), set[Future[Path]]()
-    try:
-        with ThreadPoolExecutor(jobs, thread_name_prefix="conform") as pool:
-            try:
-                while waiting or running:
-                    while waiting and len(running) < jobs:
-                        running.add(pool.submit(maker.make, waiting.pop()))
-                    done, running = wait(running, timeout=0.2, return_when=FIRST_COMPLETED)
-                    manifest.record(*(future.result() for future in done))
-                    progress.advance(maker.frames)
-            except BaseException:
-                maker.stop()
-                raise
-    finally:
-        cv2.setNumThreads(threads_before)
+    alone = opencv_in_one_thread() if jobs > 1 else contextlib.nullcontext()
+    with alone, ThreadPoolExecutor(jobs, thread_name_prefix="conform") as pool:
+        try:
+            while waiting or running:
+                while waiting and len(running) < jobs:
+                    running.add(pool.submit(maker.make, waiting.pop()))
+                done, running = wait(running, timeout=0.2, return_when=FIRST_COMPLETED)
+                manifest.record(*(future.result() for future in done))
+                progress.advance(maker.frames)
+        except BaseException:
+            maker.stop()
+            raise
     maker.stand_ins.tell(source.edl.rate, progress)
     tell_of_damage(maker.footage, progress)

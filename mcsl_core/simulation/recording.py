@@ -19,6 +19,7 @@ from mcsl_core.imaging.planes import Planes
 from mcsl_core.outputs import locks
 from mcsl_core.outputs.claim import claim, claim_folder
 from mcsl_core.outputs.manifest import Manifest
+from mcsl_core.parallel import opencv_in_one_thread
 from mcsl_core.progress import Progress
 from mcsl_core.temporary import temporary_beside
 
@@ -210,7 +211,7 @@ class Filming:
         """Per camera (own frames, 2): visible fractions of the field, everything counted, and without hands."""
         cameras = range(len(self._counts))
         finished = False
-        with ThreadPoolExecutor(len(cameras)) as pool:
+        with opencv_in_one_thread(), ThreadPoolExecutor(len(cameras)) as pool:
             jobs = [pool.submit(self._camera, camera) for camera in cameras]
             try:
                 pending = set(jobs)
