@@ -24,12 +24,12 @@ Samples = Sequence[Mapping[str, Picture | None]]
 _COLUMNS = 160  # of the cells that are held against each other
 _ALIKE = 0.9  # correlation of the same thing
 _SURROUNDINGS = 17  # cells
-_LEAST = 0.02  # of the picture, in the mean of the samples
+LEAST, HARDLY = 0.02, 0.005  # of the picture: sure; below it two of three matches were right, one was 24 units off
 _STEADY = 6  # levels of 255 that a pixel may be off its median half of the time: noise and breathing, not hands
 _OVERLAP = 0.02  # of the picture
 
 
-def agreed_colours(aligned: AlignedPose, samples: Samples) -> dict[str, Colour]:
+def agreed_colours(aligned: AlignedPose, samples: Samples, least: float = LEAST) -> dict[str, Colour]:
     """Each camera's match to the reference camera, from where both show the same at an instant.
 
     Parameters
@@ -38,12 +38,14 @@ def agreed_colours(aligned: AlignedPose, samples: Samples) -> dict[str, Colour]:
         The pose.
     samples : sequence of mapping of str to picture
         Of instants in it, each camera's picture or None.
+    least : float
+        Share of the picture, in the mean of the samples.
 
     Returns
     -------
     dict of str to Colour
-        Without the cameras that share less than a fiftieth of the picture with it: heads may be before one of them all
-        the time, or there is nothing there that goes up and down.
+        Without the cameras that share less with it: heads may be before one of them all the time, or there is nothing
+        there that goes up and down.
     """
     shared: dict[str, list[tuple[Picture, Picture, Mask]]] = {}
     for pictures in samples:
@@ -58,7 +60,7 @@ def agreed_colours(aligned: AlignedPose, samples: Samples) -> dict[str, Colour]:
     colours = {}
     for name, own in shared.items():
         source, target, where = (np.concatenate(part) for part in zip(*own, strict=True))
-        found = match_colours(source, target, where.astype(np.uint8)) if where.mean() >= _LEAST else None
+        found = match_colours(source, target, where.astype(np.uint8)) if where.mean() >= least else None
         if found is not None:
             colours[name] = found
     return colours

@@ -20,7 +20,7 @@ from mcsl_core.progress import Progress
 from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.sample_store import SampleStore
 
-from .agreed_colours import agreed_colours, steady_colours
+from .agreed_colours import HARDLY, agreed_colours, steady_colours
 from .aligned_views import Picture
 from .drift import drift_keys
 from .observations import SolvedPose
@@ -80,8 +80,11 @@ def follow_drift(
     made = []
     for own, pose, names in zip(_lent(found, cameras), solved, cameras, strict=True):
         if lacking := names - own.colour.keys():
-            steady = steady_colours(pose.aligned, _levels(samples, pose, own.colour_keys), lacking)
-            own = attrs.evolve(own, colour={**own.colour, **steady})
+            shown = _levels(samples, pose, own.colour_keys)
+            hardly = agreed_colours(pose.aligned, shown, HARDLY)
+            known = {**own.colour, **{name: hardly[name] for name in lacking & hardly.keys()}}
+            steady = steady_colours(pose.aligned, shown, names - known.keys())
+            own = attrs.evolve(own, colour={**known, **steady})
         made.append(own)
     return made
 
