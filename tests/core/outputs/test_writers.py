@@ -188,6 +188,21 @@ def test_only_leftovers_of_dead_processes_go(tmp_path: Path) -> None:
     assert {p.name for p in tmp_path.iterdir()} == {mine.name, ".mcsl-notes.tmp"}
 
 
+def test_what_a_killed_blender_was_writing_goes_as_well(tmp_path: Path) -> None:
+    """It writes beside the name that it was told, with an @ behind it, until all is there."""
+    code = (
+        "from mcsl_core.temporary import *; import sys; part = temporary_beside(Path(sys.argv[1]), '.blend');"
+        "part.with_name(part.name + '@').touch()"
+    )
+    subprocess.run([sys.executable, "-c", code, str(tmp_path / "x")], check=True)
+    mine = temporary_beside(tmp_path / "x", ".blend")
+    mine = mine.with_name(f"{mine.name}@")
+    mine.touch()
+    assert len(list(tmp_path.iterdir())) == 2
+    sweep(tmp_path)
+    assert [p.name for p in tmp_path.iterdir()] == [mine.name]
+
+
 def test_another_files_name_for_the_list_is_told(sources: Path, tmp_path: Path) -> None:
     (tmp_path / "mcsl-outputs.json").write_text(json.dumps({"mine": True}))
     with pytest.raises(InputError, match="is not mcsl's list"):
