@@ -215,6 +215,7 @@ FOLLOWED = Stage("followed", _pack_followed, _unpack_followed)
 COLOURS = Stage("colours", _pack_colours, _unpack_colours)
 MERITS: Stage[dict[str, NDArray]] = Stage("merits", dict, dict)
 SCORES = Stage("scores", ScoreTable.arrays, ScoreTable.from_arrays)
+AROUND = Stage("around", ScoreTable.arrays, ScoreTable.from_arrays)
 CLOSER = Stage("closer", ScoreTable.arrays, ScoreTable.from_arrays)
 CUTS: Stage[tuple[int, ...]] = Stage(
     "cuts", lambda cuts: {"cuts": np.array(cuts, np.int64)}, lambda arrays: tuple(int(n) for n in arrays["cuts"])

@@ -34,13 +34,14 @@ from mcsl_core.recording.damage import DamageOf, damage_met, damage_of, with_gap
 from mcsl_core.recording.footage import Footage
 from mcsl_core.recording.sample_store import SampleStore
 from mcsl_core.selection.choice import Choice
-from mcsl_core.selection.close_looks import look_closer
+from mcsl_core.selection.close_looks import look_around_movements, look_closer
 from mcsl_core.selection.merits import pose_merits
 from mcsl_core.selection.switch_refinement import refine_switches, with_switches_at
 from mcsl_core.sync.synchronise import synchronise
 from mcsl_core.temporary import temporary_folder
 
 from .cache import (
+    AROUND,
     CLOCKS,
     CLOSER,
     COLOURS,
@@ -126,15 +127,17 @@ def _analysed(
         colours = cache.remember(COLOURS, keys.colours, follow_drift, samples, solved, footage, movements, progress)
         segments = Deferred(scoring_segments, samples, solved, movements, by["occlusion"])
         table = cache.remember(SCORES, keys.scores, score_views, samples, solved, segments, movements, progress)
+        where = footage, segments, movements
+        table = cache.remember(AROUND, keys.around, look_around_movements, table, *where, progress)
         merits = cache.remember(MERITS, keys.merits, pose_merits, samples, solved, movements, progress)
         ranges, spans = [s.pose.range for s in solved], {c.name: footage.span_s(c.name) for c in footage.cameras}
         choice = Choice(by["selector"], ranges, merits, footage.cameras, spans, frames, rate)
         look = partial(look_closer, choose=choice.shots, progress=progress)
-        table = cache.remember(CLOSER, keys.closer, look, table, footage, segments, movements)
+        table = cache.remember(CLOSER, keys.closer, look, table, *where)
         shots, table = choice.shots(table), choice.measured(table)
         least_s = by["selector"].min_shot_s
         cut = CUTS, keys.cuts(shots, least_s), partial(refine_switches, min_shot_s=least_s)
-        cuts = cache.remember(*cut, shots, footage, segments, movements, progress)
+        cuts = cache.remember(*cut, shots, *where, progress)
     fields = field_stretches(solved, drawn)
     made = edl.Edl(
         rate=rate,

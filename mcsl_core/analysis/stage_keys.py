@@ -25,7 +25,7 @@ from mcsl_core.occlusion.scoring import score_views
 from mcsl_core.recording.damage import damage_of
 from mcsl_core.recording.sample_store import SampleStore
 from mcsl_core.selection.choice import Choice
-from mcsl_core.selection.close_looks import look_closer
+from mcsl_core.selection.close_looks import look_around_movements, look_closer
 from mcsl_core.selection.merits import pose_merits
 from mcsl_core.selection.switch_refinement import refine_switches
 from mcsl_core.sync.synchronise import synchronise
@@ -46,6 +46,7 @@ class StageKeys:
     colours: str
     merits: str
     scores: str
+    around: str
     closer: str
 
     def cuts(self, shots: Sequence[Shot], min_shot_s: float) -> str:
@@ -79,8 +80,9 @@ def stage_keys(
     colours = key_of(code_of(follow_drift), own)
     merits = key_of(code_of(pose_merits), own)
     scores = key_of(code_of(score_views), seen, by["occlusion"])
-    closer = key_of(code_of(look_closer, Choice), scores, merits, by["selector"])
-    return StageKeys(clocks, samples, movements, poses, placed, followed, colours, merits, scores, closer)
+    around = key_of(code_of(look_around_movements), scores)
+    closer = key_of(code_of(look_closer, Choice), around, merits, by["selector"])
+    return StageKeys(clocks, samples, movements, poses, placed, followed, colours, merits, scores, around, closer)
 
 
 def clocks_key(cameras: Sequence[Camera], reference: str, settings: AnalysisSettings) -> str:

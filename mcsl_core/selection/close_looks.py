@@ -77,6 +77,45 @@ class Doubt:
     poor: bool
 
 
+def look_around_movements(
+    table: ScoreTable,
+    footage: Footage,
+    segments: Sequence[ScoringSegment],
+    movements: Sequence[Movement],
+    progress: Progress,
+    settings: CloseLookSettings = CloseLookSettings(),
+) -> ScoreTable:
+    """Adds samples to a table right before the lamp's movements and after them, and at the end, whatever is chosen.
+
+    Parameters
+    ----------
+    table : ScoreTable
+        Of the samples.
+    footage : Footage
+        Where the pictures between them are read from.
+    segments : sequence of ScoringSegment
+        What scores them.
+    movements : sequence of Movement
+        Those that are followed are looked at closely all along: arms grip the lamp, and every view goes over the field.
+        In others there is no data.
+    progress : Progress
+        Told of every frame that is scored.
+    settings : CloseLookSettings, optional
+        How closely.
+
+    Returns
+    -------
+    ScoreTable
+        ``table`` with rows for the frames between.
+    """
+    looks = _Looks.of(footage, segments, movements, progress, settings)
+    edges = [FrameRange(n, n + 1) for n in unseen_edges(table, looks.held, footage.frames, looks.step)]
+    followed = [movement.range for movement in movements if movement.views]
+    for stretches in edges, joined(followed):
+        table = _with_rows(table, looks.at(table.cameras, stretches))
+    return table
+
+
 def look_closer(
     table: ScoreTable,
     footage: Footage,
@@ -91,18 +130,13 @@ def look_closer(
     Parameters
     ----------
     table : ScoreTable
-        Of the samples.
-    footage : Footage
-        Where the pictures between them are read from.
-    segments : sequence of ScoringSegment
-        What scores them.
+        Of `look_around_movements`.
+    footage, segments, progress
+        As of `look_around_movements`.
     movements : sequence of Movement
-        In them there is no data, and no closer look; right before and after them a look. Those that are followed are
-        looked at closely all along: arms grip the lamp, and every view goes over the field.
+        In those that are not followed there is no data, and no closer look.
     choose : callable
         The shots of a programme, by a table.
-    progress : Progress
-        Told of every frame that is scored.
     settings : CloseLookSettings, optional
         Where, and how closely.
 
@@ -112,14 +146,8 @@ def look_closer(
         ``table`` with rows for the frames between; those of its samples at which it was looked anew are of the very
         frame and no longer of the keyframe nearest to it.
     """
-    step = max(1, round(settings.step_s * float(footage.rate)))
-    held = [movement for movement in movements if not movement.views]
-    looks = _Looks(footage, segments, held, step, progress)
-    edges = [FrameRange(n, n + 1) for n in unseen_edges(table, held, footage.frames, step)]
-    followed = [movement.range for movement in movements if movement.views]
-    for stretches in edges, joined(followed):
-        table = _with_rows(table, looks.at(table.cameras, stretches))
-    return without_doubts(table, choose, looks.at, step, settings.change)
+    looks = _Looks.of(footage, segments, movements, progress, settings)
+    return without_doubts(table, choose, looks.at, looks.step, settings.change)
 
 
 def without_doubts(table: ScoreTable, choose: Choose, look: Look, step: int, change: float) -> ScoreTable:
@@ -245,6 +273,19 @@ class _Looks:
     held: Sequence[Movement]
     step: int
     progress: Progress
+
+    @classmethod
+    def of(
+        cls,
+        footage: Footage,
+        segments: Sequence[ScoringSegment],
+        movements: Sequence[Movement],
+        progress: Progress,
+        settings: CloseLookSettings,
+    ) -> _Looks:
+        """With the movements that are not followed for held."""
+        step = max(1, round(settings.step_s * float(footage.rate)))
+        return cls(footage, segments, [movement for movement in movements if not movement.views], step, progress)
 
     def at(self, cameras: Sequence[str], stretches: Sequence[FrameRange]) -> Rows:
         """Of these cameras, at the frames of the stretches that lie ``step`` apart."""

@@ -23,6 +23,7 @@ from mcsl_core.progress import Silent
 from mcsl_core.simulation import Scenario, simulate
 from mcsl_core.timing import FrameRange
 
+LOOKING = "Looking closer"
 SAMPLING = "Sampling the recording"
 
 
@@ -56,6 +57,8 @@ def test_a_changed_selector_samples_and_scores_nothing_again(recording: Path, tm
     made = edl.load(out).made_by
     assert made is not None
     assert made.plugins["selector"].startswith("least-occluded")
+    assert LOOKING in first
+    assert LOOKING not in analyse(recording, out, selector="fixed"), "no look depends on what it chooses"
 
 
 def test_a_changed_detector_scores_again_but_decodes_nothing(recording: Path, tmp_path: Path) -> None:

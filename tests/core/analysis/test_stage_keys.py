@@ -25,7 +25,7 @@ from mcsl_core.hooks.stages import STAGES
 from mcsl_core.timing import FrameRange
 
 BEFORE = ("clocks", "samples", "movements", "poses", "placed")
-STAGE_NAMES = (*BEFORE, "colours", "merits", "followed", "scores", "closer", "cuts")
+STAGE_NAMES = (*BEFORE, "colours", "merits", "followed", "scores", "around", "closer", "cuts")
 SHOTS = (Shot(FrameRange(0, 50), "a"), Shot(FrameRange(50, 90), "b"))
 
 

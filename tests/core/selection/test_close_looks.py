@@ -20,7 +20,14 @@ from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.occlusion.scoring import ScoringSegment, SegmentSamples
 from mcsl_core.progress import Silent
 from mcsl_core.recording.footage import Footage
-from mcsl_core.selection.close_looks import Doubt, doubts, look_closer, unseen_edges, without_doubts
+from mcsl_core.selection.close_looks import (
+    Doubt,
+    doubts,
+    look_around_movements,
+    look_closer,
+    unseen_edges,
+    without_doubts,
+)
 from mcsl_core.selection.selectors import Fixed, ShortestPath
 from mcsl_core.timing import FrameRange
 
@@ -64,7 +71,8 @@ def programme(table: ScoreTable) -> tuple[Shot, ...]:
 
 
 def looked(table: ScoreTable, footage: Footage, of: ScoringSegment | None = None, moving=(), choose=programme):
-    return look_closer(table, footage, [of or segment()], moving, choose, Silent())
+    where = footage, [of or segment()], moving
+    return look_closer(look_around_movements(table, *where, Silent()), *where, choose, Silent())
 
 
 def between(table: ScoreTable) -> list[int]:
