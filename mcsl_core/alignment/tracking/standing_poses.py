@@ -21,7 +21,8 @@ from ..observations import SolvedPose
 from ..relief.field_surface import height_of_gamma
 from ..relief.surface_planes import field_points, sure_nodes
 from ..steady import steady_view
-from .lamp import AT_REST, Lamp, LampView, Rig, calibrate
+from .calibration import Rig, calibrate
+from .lamp import AT_REST, Lamp, LampView
 from .protocol import End, Instant
 from .templates import WIDTH, Grey, Ground, templates
 

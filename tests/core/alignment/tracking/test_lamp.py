@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from lamp_scene import MOVED, NAMES, SIZE, scene, seen, true_lamp, turned
 
+from mcsl_core.alignment.tracking.calibration import Calibration, calibrate
 from mcsl_core.alignment.tracking.fitting import Sighting, fit_view
 from mcsl_core.alignment.tracking.following import BackgroundTracker
-from mcsl_core.alignment.tracking.lamp import AT_REST, LampView, calibrate
+from mcsl_core.alignment.tracking.lamp import AT_REST, LampView
 from mcsl_core.hooks.guards import read_only
 from mcsl_core.imaging.geometry import project
 
@@ -41,6 +42,19 @@ def test_a_rig_is_calibrated_from_its_projections() -> None:
             assert np.median(off) < 0.5
     assert views[1].turn == pytest.approx(MOVED.turn, abs=0.02)
     assert views[1].zoom == pytest.approx(MOVED.zoom, abs=0.02)
+
+
+def test_the_calibrations_slopes_are_those_of_what_it_minimises() -> None:
+    """By central differences, with poses that do not see every camera, and the views counted from the first."""
+    true, points = true_lamp(), scene(12)
+    poses = [seen(true, view) for view in (AT_REST, MOVED, LampView.of(-MOVED.numbers))]
+    del poses[1]["cam3"], poses[2]["cam1"]
+    problem = Calibration(poses, points, "cam1", NAMES[1:], dict.fromkeys(NAMES, SIZE))
+    start = problem.start(1.5, 1)
+    numbers = start + np.random.default_rng(6).normal(0, 0.02, len(start))
+    steps = 1e-6 * np.eye(len(numbers))
+    differences = [(problem.off(numbers + step) - problem.off(numbers - step)) / 2e-6 for step in steps]
+    assert problem.slopes(numbers) == pytest.approx(np.stack(differences, axis=-1), abs=1e-7)
 
 
 def test_a_lamp_that_cannot_be_written_to_tells_the_same() -> None:
