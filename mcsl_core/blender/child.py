@@ -15,11 +15,11 @@ import time
 from pathlib import Path
 from typing import NoReturn, TypeVar
 
+from mcsl_core.children import ended_afterwards
 from mcsl_core.errors import BlenderError, InputError, McslError, UsageError
 from mcsl_core.progress import CancelToken, Progress, Silent
 from mcsl_core.temporary import sweep, temporary_folder
 
-from .children import ended_afterwards
 from .installation import Blender, explain_missing
 from .messages import Done, Failed, Failure, MessageFile, Note, Request, Result, Stage, structure, to_json
 

@@ -21,11 +21,10 @@ from typing import Literal
 import platformdirs
 from attrs import frozen
 
+from mcsl_core.children import ended_afterwards
 from mcsl_core.errors import BlenderError, McslError, UsageError
 from mcsl_core.progress import Progress, Silent
 from mcsl_core.temporary import sweep, temporary_beside
-
-from .children import ended_afterwards
 
 SUPPORTED = {(4, 5): "4.5 LTS", (5, 0): "5.0", (5, 2): "5.2 LTS"}
 SUPPORTED_TEXT = "4.5 LTS, 5.0 or 5.2 LTS"

@@ -134,7 +134,7 @@ def _watch(hear: int) -> None:
 
 def _end() -> None:
     # Not above: what is imported before signals are heard is little. Children first: they write into our files.
-    from mcsl_core.blender.children import end_all
+    from mcsl_core.children import end_all
     from mcsl_core.temporary import remove_own
 
     for ending in (end_all, remove_own):

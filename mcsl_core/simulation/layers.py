@@ -6,6 +6,8 @@ their offsets of 16 and 128 included, so a layer lies over a picture as picture 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -65,19 +67,19 @@ class Picture:
         box = _box(matrix, layer.shape, self.y.shape, 2)
         if box is None:
             return None
-        warped = _warped(layer, matrix, box)
         x0, y0, x1, y1 = box
-        alpha = cv2.extractChannel(warped, 3)
-        _over(self.y[y0:y1, x0:x1], cv2.extractChannel(warped, 0), cv2.bitwise_not(alpha))
-        self._chroma(cv2.resize(warped, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA), x0 // 2, y0 // 2)
+        luma, u, v, alpha = cv2.split(_warped(layer, matrix, box))
+        _over(self.y[y0:y1, x0:x1], luma, cv2.bitwise_not(alpha))
+        half = ((x1 - x0) // 2, (y1 - y0) // 2)
+        self._chroma([cv2.resize(p, half, interpolation=cv2.INTER_AREA) for p in (u, v, alpha)], x0 // 2, y0 // 2)
         return box, alpha
 
-    def _chroma(self, layer: NDArray, x: int, y: int) -> None:
-        """Lays a half-size layer's U and V at chroma pixel (x, y)."""
-        rest = cv2.bitwise_not(cv2.extractChannel(layer, 3))
-        for plane, channel in ((self.u, 1), (self.v, 2)):
-            window = plane[y : y + rest.shape[0], x : x + rest.shape[1]]
-            _over(window, cv2.extractChannel(layer, channel), rest)
+    def _chroma(self, layer: list[NDArray], x: int, y: int) -> None:
+        """Lays a half-size layer's U and V (its planes: U, V and opacity) at chroma pixel (x, y)."""
+        u, v, alpha = layer
+        rest = cv2.bitwise_not(alpha)
+        for plane, channel in ((self.u, u), (self.v, v)):
+            _over(plane[y : y + rest.shape[0], x : x + rest.shape[1]], channel, rest)
 
 
 class Overlay:
@@ -86,7 +88,7 @@ class Overlay:
     def __init__(self, size: tuple[int, int], scale: int) -> None:
         self.scale = scale
         self.layer = np.zeros((-(-size[1] // scale), -(-size[0] // scale), 4), np.uint8)
-        self._used: Box | None = None
+        self._boxes: list[Box] = []  # what was drawn on: apart from one another
 
     def draw(self, layer: NDArray, matrix: NDArray) -> tuple[Box, NDArray] | None:
         """As `Picture.draw`; ``matrix`` leads to full-size pixels, box and opacity are in the overlay's."""
@@ -101,56 +103,67 @@ class Overlay:
 
     def _lay(self, layer: NDArray, box: Box) -> NDArray:
         x0, y0, x1, y1 = box
-        old = self._used or box
-        self._used = (min(old[0], x0), min(old[1], y0), max(old[2], x1), max(old[3], y1))
+        window = self.layer[y0:y1, x0:x1]
         alpha = cv2.extractChannel(layer, 3)
-        rest = cv2.bitwise_not(alpha)
-        _over(self.layer[y0:y1, x0:x1], layer, cv2.merge([rest, rest, rest, rest]))
+        apart = [other for other in self._boxes if _is_apart(other, box)]
+        if len(apart) == len(self._boxes):
+            window[...] = layer
+        else:
+            rest = cv2.bitwise_not(alpha)
+            _over(window, layer, cv2.merge([rest, rest, rest, rest]))
+        # One that has grown may reach others that it was apart from.
+        while len(apart) < len(self._boxes):
+            near = [other for other in self._boxes if other not in apart]
+            box = _around([*near, box])
+            self._boxes = apart
+            apart = [other for other in self._boxes if _is_apart(other, box)]
+        self._boxes.append(box)
         return alpha
 
-    def _take(self) -> tuple[NDArray, int, int] | None:
+    def _take(self) -> Iterator[tuple[NDArray, int, int]]:
         """What was drawn, with a margin for its enlargement to fade out in, and where; the overlay is empty then."""
-        if self._used is None:
-            return None
         rows, columns = self.layer.shape[:2]
-        x0, y0, x1, y1 = self._used
-        x0, y0, x1, y1 = max(x0 - 1, 0), max(y0 - 1, 0), min(x1 + 1, columns), min(y1 + 1, rows)
-        taken = self.layer[y0:y1, x0:x1].copy()
-        self.layer[y0:y1, x0:x1] = 0
-        self._used = None
-        return taken, x0, y0
+        for x0, y0, x1, y1 in self._boxes:
+            x0, y0, x1, y1 = max(x0 - 1, 0), max(y0 - 1, 0), min(x1 + 1, columns), min(y1 + 1, rows)
+            yield self.layer[y0:y1, x0:x1], x0, y0
+            self.layer[y0:y1, x0:x1] = 0
+        self._boxes = []
 
     def into(self, finer: Overlay) -> None:
         """Lays what was drawn on a finer overlay."""
-        taken = self._take()
-        if taken is None:
-            return
-        small, x, y = taken
         s = self.scale // finer.scale
         rows, columns = finer.layer.shape[:2]
-        box = (s * x, s * y, min(s * (x + small.shape[1]), columns), min(s * (y + small.shape[0]), rows))
-        large = cv2.resize(small, None, fx=s, fy=s, interpolation=cv2.INTER_LINEAR)
-        finer._lay(large[: box[3] - box[1], : box[2] - box[0]], box)
+        for small, x, y in self._take():
+            box = (s * x, s * y, min(s * (x + small.shape[1]), columns), min(s * (y + small.shape[0]), rows))
+            large = cv2.resize(small, None, fx=s, fy=s, interpolation=cv2.INTER_LINEAR)
+            finer._lay(large[: box[3] - box[1], : box[2] - box[0]], box)
 
     def onto(self, picture: Picture) -> None:
         """Lays what was drawn on the picture: its chroma has half the size anyway."""
-        taken = self._take()
-        if taken is None:
-            return
-        small, x, y = taken
         s = self.scale
-        window = picture.y[s * y : s * (y + small.shape[0]), s * x : s * (x + small.shape[1])]
-        rows, columns = window.shape
-        whole = (s * small.shape[1], s * small.shape[0])
-        luma, alpha = (
-            cv2.resize(cv2.extractChannel(small, channel), whole, interpolation=cv2.INTER_LINEAR)[:rows, :columns]
-            for channel in (0, 3)
-        )
-        _over(window, luma, cv2.bitwise_not(alpha))
-        if s > 2:
-            small = cv2.resize(small, None, fx=s // 2, fy=s // 2, interpolation=cv2.INTER_LINEAR)
-        rows, columns = -(-rows // 2), -(-columns // 2)
-        picture._chroma(small[:rows, :columns], s * x // 2, s * y // 2)
+        for small, x, y in self._take():
+            window = picture.y[s * y : s * (y + small.shape[0]), s * x : s * (x + small.shape[1])]
+            rows, columns = window.shape
+            luma, u, v, alpha = cv2.split(small)
+            whole = _enlarged(alpha, s)[:rows, :columns]
+            _over(window, _enlarged(luma, s)[:rows, :columns], cv2.bitwise_not(whole))
+            rows, columns = -(-rows // 2), -(-columns // 2)
+            half = [_enlarged(p, s // 2)[:rows, :columns] for p in (u, v, alpha)]
+            picture._chroma(half, s * x // 2, s * y // 2)
+
+
+def _enlarged(plane: NDArray, scale: int) -> NDArray:
+    return plane if scale == 1 else cv2.resize(plane, None, fx=scale, fy=scale, interpolation=cv2.INTER_LINEAR)
+
+
+def _is_apart(a: Box, b: Box) -> bool:
+    """Whether two boxes keep clear of one another, margins of a pixel included."""
+    return a[2] + 2 <= b[0] or b[2] + 2 <= a[0] or a[3] + 2 <= b[1] or b[3] + 2 <= a[1]
+
+
+def _around(boxes: list[Box]) -> Box:
+    left, top, right, bottom = zip(*boxes, strict=True)
+    return min(left), min(top), max(right), max(bottom)
 
 
 def _over(window: NDArray, premultiplied: NDArray, rest: NDArray) -> None:
@@ -167,11 +180,11 @@ def _warped(layer: NDArray, matrix: NDArray, box: Box) -> NDArray:
 def _box(matrix: NDArray, sprite: tuple[int, ...], picture: tuple[int, ...], step: int) -> Box | None:
     """The part of the picture that a sprite may touch, its edges at multiples of ``step``, or None."""
     rows, columns = sprite[:2]
-    corners = matrix @ np.array([[0, columns, columns, 0], [0, 0, rows, rows], [1, 1, 1, 1]])
-    if (corners[2] < NEAREST_MM).any():
+    x, y, depth = (matrix @ np.array([[0, columns, columns, 0], [0, 0, rows, rows], [1, 1, 1, 1]])).tolist()
+    if min(depth) < NEAREST_MM:
         return None
-    px = corners[:2] / corners[2]
-    (x0, y0), (x1, y1) = px.min(1), px.max(1)
+    x, y = [p / d for p, d in zip(x, depth, strict=True)], [p / d for p, d in zip(y, depth, strict=True)]
+    x0, y0, x1, y1 = min(x), min(y), max(x), max(y)
     if x1 < 0 or y1 < 0 or x0 > picture[1] or y0 > picture[0]:
         return None
     left, top = max(int(x0) // step * step, 0), max(int(y0) // step * step, 0)

@@ -1,12 +1,10 @@
-"""Simulating a recording: one video file a camera, side by side in threads, and the truth about them."""
+"""Simulating a recording: one video file a camera, and the truth about them."""
 
 from __future__ import annotations
 
 import re
 import shutil
-import threading
 from collections.abc import Iterator
-from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -14,25 +12,22 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from mcsl_core.errors import Cancelled, InputError, McslError
-from mcsl_core.imaging.planes import Planes
+from mcsl_core.errors import InputError, McslError
 from mcsl_core.outputs import locks
 from mcsl_core.outputs.claim import claim, claim_folder
 from mcsl_core.outputs.manifest import Manifest
-from mcsl_core.parallel import opencv_in_one_thread
 from mcsl_core.progress import Progress
 from mcsl_core.temporary import temporary_beside
 
 from .clocks import Clock, clocks, frame_counts
+from .filming import Film
 from .ground import Ground
 from .ideal import FIELD, FILM, FOLDER, film_ideal
 from .recorder import Recorder
-from .render import CameraPictures
 from .rig import PinholeCamera
 from .scenario import Scenario
 from .scene import Scene
 from .schedule import movement_frames
-from .sound import RATE, Microphone, Room
 from .truth import (
     ARRAYS,
     MovementTruth,
@@ -148,10 +143,9 @@ def _filmed(scenario: Scenario, out: Path, recorder: Recorder, progress: Progres
     progress.stage("scene")
     scene = Scene.of(scenario)
     ground = Ground.of(scenario, scene.surface, scene.rig)
-    room = Room(scenario) if scenario.audio else None
     counts, times = frame_counts(scenario), clocks(scenario)
     progress.stage("film", sum(counts), "frames")
-    visible = Filming(scene, ground, room, recorder, out).run(progress)
+    visible = Film(scene, ground, recorder, out).run(progress)
     truth = _truth(scene, recorder, times, counts, visible)
     if ideal:
         truth = attrs.evolve(truth, in_movements=_in_movements(scene, truth))
@@ -195,70 +189,6 @@ def _leave(folder: Path) -> None:
     if listed.exists and [path.name for path in folder.iterdir()] == [listed.path.name]:
         listed.path.unlink()
         folder.rmdir()
-
-
-class Filming:
-    """All cameras filming at once, in threads: OpenCV and the encoder release Python's lock while they work."""
-
-    def __init__(self, scene: Scene, ground: Ground, room: Room | None, recorder: Recorder, out: Path) -> None:
-        self._scene, self._ground, self._room, self._recorder = scene, ground, room, recorder
-        self._times, self._counts = clocks(scene.scenario), frame_counts(scene.scenario)
-        self._files = [out / f"{name}.mp4" for name in scene.scenario.camera_names]
-        self._done = [0] * len(self._counts)
-        self._stop = threading.Event()
-
-    def run(self, progress: Progress) -> list[NDArray]:
-        """Per camera (own frames, 2): visible fractions of the field, everything counted, and without hands."""
-        cameras = range(len(self._counts))
-        finished = False
-        with opencv_in_one_thread(), ThreadPoolExecutor(len(cameras)) as pool:
-            jobs = [pool.submit(self._camera, camera) for camera in cameras]
-            try:
-                pending = set(jobs)
-                while pending:
-                    _, pending = wait(pending, 0.2, FIRST_EXCEPTION)
-                    for job in jobs:
-                        if job.done():
-                            job.result()
-                    progress.advance(sum(self._done))
-                finished = True
-            finally:
-                if not finished:
-                    self._stop.set()
-                    wait(jobs)
-        return [job.result() for job in jobs]
-
-    def _camera(self, camera: int) -> NDArray:
-        scenario = self._scene.scenario
-        pictures = CameraPictures(self._scene, self._ground, camera, self._times[camera])
-        microphone = Microphone(self._room, scenario, camera, self._times[camera]) if self._room else None
-        visible = np.zeros((self._counts[camera], 2))
-        rate = scenario.rate
-        heard, length = 0, round(self._counts[camera] / rate * RATE)
-        missing = self._recorder.missing(scenario, camera, self._counts[camera])
-        with self._recorder.writer(self._files[camera], scenario, microphone is not None) as writer:
-
-            def at(k: float) -> Planes:
-                planes, shares = pictures.frame(k)
-                if k == int(k):
-                    visible[int(k)] = shares
-                return planes
-
-            for k in range(self._counts[camera]):
-                if self._stop.is_set():
-                    raise Cancelled
-                if microphone and heard <= k / rate * RATE and heard < length:
-                    piece = min(RATE, length - heard)
-                    writer.write_audio(microphone.read(piece))
-                    heard += piece
-                planes = self._recorder.picture(at, k)
-                if missing[k]:
-                    writer.leave_out()
-                else:
-                    writer.write(planes)
-                self._done[camera] = k + 1
-        self._recorder.finish(self._files[camera])
-        return visible
 
 
 def _truth(

@@ -95,7 +95,7 @@ def test_the_orderly_way_is_left_its_time():
 def test_children_and_those_of_sessions_of_their_own_end_with_it():
     begun = "subprocess.Popen(['sleep', '600'], start_new_session=new, stderr=subprocess.DEVNULL)"
     made = f"[{begun} for new in (True, False)]"
-    kept = "from mcsl_core.blender.children import ended_afterwards"
+    kept = "from mcsl_core.children import ended_afterwards"
     entered = f"made = {made}; [ended_afterwards(child).__enter__() for child in made]"
     told = "print(*[child.pid for child in made], flush=True)"
     child = start(BEGUN, kept, entered, f"{told}; {DEAF}")
