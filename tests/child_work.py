@@ -12,6 +12,8 @@ from pathlib import Path
 
 from mcsl_core.children import in_child
 from mcsl_core.errors import MediaError
+from mcsl_core.progress import Silent
+from mcsl_core.simulation import Scenario, simulate
 
 Told = Callable[[int], None]
 
@@ -46,6 +48,11 @@ def sleeps(note: Path, told: Told) -> None:
     part.write_text(str(os.getpid()))
     part.replace(note)
     time.sleep(600)
+
+
+def films_on_one_core(out: Path, scenario: Scenario, told: Told) -> None:
+    os.sched_setaffinity(0, list(os.sched_getaffinity(0))[:1])
+    simulate(scenario, out, Silent(), ideal=True)
 
 
 def ignore(done: int) -> None:

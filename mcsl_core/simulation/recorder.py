@@ -82,7 +82,8 @@ class Recorder:
     def writer(self, path: Path, scenario: Scenario, audio: bool) -> VideoWriter:
         """The file that a camera's pictures are written to before it is split."""
         # Cameras set keyframes by the clock, not where a head comes in.
-        options = {"preset": "superfast", "crf": str(scenario.crf), "sc_threshold": "0"}
+        # As many threads as x264 is told decide on what it writes: two, whatever the machine has.
+        options = {"preset": "superfast", "crf": str(scenario.crf), "sc_threshold": "0", "threads": "2"}
         settings: dict[str, Any] = {
             "size": scenario.size,
             "rate": scenario.rate,

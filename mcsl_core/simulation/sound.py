@@ -6,8 +6,8 @@ its own filter, with its own noise and the few milliseconds that sound takes to 
 
 from __future__ import annotations
 
-import threading
 from bisect import bisect_left
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ _LONGEST_S = 4.0
 
 
 class Room:
-    """All that sounds in the room. Safe to ask from several threads."""
+    """All that sounds in the room; quick when time rises."""
 
     def __init__(self, scenario: Scenario) -> None:
         rng = scenario.stream("room")
@@ -40,22 +40,21 @@ class Room:
         self._events.sort()
         self._tone = rng.uniform(700, 1000)
         self._made: dict[int, NDArray] = {}
-        self._lock = threading.Lock()
+        self._wave = lru_cache(maxsize=8)(self._event)  # one sounds on in the seconds that follow
 
     def second(self, n: int) -> NDArray:
         """(`RATE`,) float32: programme time n to n + 1."""
-        with self._lock:
-            if n not in self._made:
-                while len(self._made) > 24:
-                    self._made.pop(next(iter(self._made)))
-                self._made[n] = self._make(n)
-            return self._made[n]
+        if n not in self._made:
+            while len(self._made) > 4:
+                self._made.pop(next(iter(self._made)))
+            self._made[n] = self._make(n)
+        return self._made[n]
 
     def _make(self, n: int) -> NDArray:
         total = np.zeros(RATE, np.float64)
         first = bisect_left(self._events, (n - _LONGEST_S, "", 0))
         for t, kind, seed in self._events[first : bisect_left(self._events, (n + 1.0, "", 0))]:
-            wave = self._event(kind, seed)
+            wave = self._wave(kind, seed)
             at = round((t - n) * RATE)
             a, b = max(at, 0), min(at + len(wave), RATE)
             if a < b:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import re
 import time
+from functools import partial
 
 import attrs
+import child_work
 import pytest
 
+from mcsl_core.children import in_child
 from mcsl_core.errors import Cancelled, InputError
 from mcsl_core.progress import CancelToken, Silent
 from mcsl_core.simulation import Recorder, Scenario, filming, simulate
@@ -41,6 +45,18 @@ def test_processes_make_the_same_files_as_threads(tmp_path, monkeypatch):
     assert files == ["cam1.mp4", "cam2.mp4", "truth.json", "truth.npz"]
     for file in files:
         assert (tmp_path / "threads" / file).read_bytes() == (tmp_path / "processes" / file).read_bytes(), file
+
+
+@pytest.mark.skipif(
+    not hasattr(os, "sched_setaffinity") or len(os.sched_getaffinity(0)) < 2, reason="needs cores to take away"
+)
+def test_the_machines_cores_do_not_show_in_the_files(tmp_path):
+    """x264's own choice of threads, of the cores that there are, is seen in its bytes."""
+    scenario = attrs.evolve(BUSY, size=(320, 180), duration_s=1.0, movements=0, cameras=1)
+    simulate(scenario, tmp_path / "all", Silent(), ideal=True)
+    in_child(partial(child_work.films_on_one_core, tmp_path / "one", scenario), child_work.ignore)
+    for file in ("cam1.mp4", "ideal/ideal.mp4", "truth.npz"):
+        assert (tmp_path / "all" / file).read_bytes() == (tmp_path / "one" / file).read_bytes(), file
 
 
 @pytest.fixture(scope="module")
