@@ -21,6 +21,8 @@ from .scenario import Scenario
 from .sound import RATE
 
 HDR = ("hlg", "pq")
+_FINER = 2
+"""What `ultrafast` needs in CRF to keep of what is flat all that `superfast` does, to a quarter of a decibel."""
 
 
 def _hdr(instance: Recorder, _: object, value: str) -> None:
@@ -53,11 +55,15 @@ class Recorder:
         Seconds after which a new file begins, at a keyframe; None for one file a camera.
     continuing_clock
         Whether timestamps go on from one file to the next, as in FFmpeg's own segments; those are MKV.
+    quick_coding
+        Coded in 0.6 of the time and decoded in half, without B-frames, arithmetic coding and loop filter, and finer
+        for it: files of 1.7 times the size, nearer to what was drawn.
     """
 
     interlaced: bool = False
     vfr: bool = False
     continuing_clock: bool = False
+    quick_coding: bool = False
     hdr: str = attrs.field(default="", validator=_hdr)
     split_s: float | None = attrs.field(default=None, validator=_split)
 
@@ -84,6 +90,8 @@ class Recorder:
         # Cameras set keyframes by the clock, not where a head comes in.
         # As many threads as x264 is told decide on what it writes: two, whatever the machine has.
         options = {"preset": "superfast", "crf": str(scenario.crf), "sc_threshold": "0", "threads": "2"}
+        if self.quick_coding:
+            options |= {"preset": "ultrafast", "crf": str(max(scenario.crf - _FINER, 0))}
         settings: dict[str, Any] = {
             "size": scenario.size,
             "rate": scenario.rate,

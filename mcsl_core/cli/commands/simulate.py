@@ -47,6 +47,7 @@ def _is_given(option: str) -> bool:
 @click.option("--vfr", is_flag=True, help="Variable frame rate: a quarter of the pictures is missing.")
 @click.option("--split", "split_s", type=float, metavar="S", help="A new file every so many seconds.")
 @click.option("--continuing-clock", is_flag=True, help="With --split: the parts' timestamps go on.")
+@click.option("--quick-coding", is_flag=True, help="Code in less time, into larger files.")
 @click.option("--ideal", is_flag=True, help="Film the ideal programme, too: from one place, with nobody in the way.")
 @FORCE
 @click.pass_obj
@@ -67,7 +68,9 @@ def simulate(session: Session, out: Path, size: str, rate: str, force: bool, ide
     except ValueError as error:
         raise UsageError(f"--rate: {error}") from error
     try:
-        written = {name: chosen.pop(name) for name in ("interlaced", "vfr", "split_s", "continuing_clock")}
+        written = {
+            name: chosen.pop(name) for name in ("interlaced", "vfr", "split_s", "continuing_clock", "quick_coding")
+        }
         recorder = Recorder(hdr=chosen.pop("hdr") or "", **written)
         chosen = {name: value for name, value in chosen.items() if name not in COLOURS or _is_given(name)}
         scenario = Scenario(size=(int(numbers[1]), int(numbers[2])), rate=frames_per_second, **chosen)

@@ -9,6 +9,7 @@ from typing import Any
 import av
 import numpy as np
 import pytest
+from av.video.frame import PictureType
 from click.testing import CliRunner
 
 from mcsl_core import edl as edls
@@ -16,6 +17,10 @@ from mcsl_core.cli.main import cli
 from mcsl_core.errors import UsageError
 from mcsl_core.recording.footage import footage_of
 from mcsl_core.simulation import Recorder, Scenario, alignment_error, load_truth
+from mcsl_core.simulation.clocks import Clock
+from mcsl_core.simulation.ground import Ground
+from mcsl_core.simulation.render import CameraPictures
+from mcsl_core.simulation.scene import Scene
 
 SCENE = "--seed 4 --duration 4.5 --size 320x180 --rate 25 --cameras 2 --movements 0"
 LARGER = "--seed 4 --duration 8 --size 480x272 --rate 25 --cameras 3 --movements 0"
@@ -140,3 +145,24 @@ def test_the_command_says_what_it_refuses(wrong, tmp_path):
 
 def test_the_plain_way_leaves_out_nothing():
     assert not Recorder().missing(Scenario(duration_s=2, movements=0), 0, 50).any()
+
+
+def test_quick_coding_is_nearer_to_what_was_drawn(tmp_path):
+    """No B-frames and no loop filter, paid for in bytes; the truth is the same, byte for byte."""
+    for kind, options in (("usual", []), ("quick", ["--quick-coding"])):
+        run("simulate", tmp_path / kind, *SCENE.split(), *options)
+    scenario = load_truth(tmp_path / "usual").scenario
+    scene = Scene.of(scenario)
+    camera = CameraPictures(scene, Ground.of(scenario, scene.surface, scene.rig), 0, Clock())
+    drawn = [camera.frame(k)[0].y.astype(np.float32) for k in range(scenario.frames)]
+    error, kinds = {}, {}
+    for kind in ("usual", "quick"):
+        frames = [frame for _, frame in decoded(tmp_path / kind, "cam1")]
+        lumas = (frame.to_ndarray()[: scenario.size[1]] for frame in frames)
+        error[kind] = np.mean([((luma - true) ** 2).mean() for luma, true in zip(lumas, drawn, strict=True)])
+        kinds[kind] = {PictureType(frame.pict_type).name for frame in frames}
+    assert error["quick"] < error["usual"]
+    assert "B" in kinds["usual"]
+    assert kinds["quick"] == {"I", "P"}
+    for file in ("truth.json", "truth.npz"):
+        assert (tmp_path / "usual" / file).read_bytes() == (tmp_path / "quick" / file).read_bytes()
