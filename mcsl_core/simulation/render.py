@@ -231,4 +231,6 @@ def plane_to_picture(pinhole: PinholeCamera, origin: NDArray, ahead: NDArray, as
     ahead, aside
         (3,) unit vectors of its x and y.
     """
-    return pinhole.K @ np.stack([pinhole.R @ ahead, pinhole.R @ aside, pinhole.R @ origin + pinhole.t], 1)
+    local = np.empty((3, 3))
+    local[:, 0], local[:, 1], local[:, 2] = pinhole.R @ ahead, pinhole.R @ aside, pinhole.R @ origin + pinhole.t
+    return pinhole.K @ local
