@@ -21,6 +21,7 @@ from mcsl_core.blender.render import RenderSettings
 from mcsl_core.blender.timeline import build_timeline
 from mcsl_core.delivery import conform as conforming
 from mcsl_core.delivery.conform import Conformed, default_folder
+from mcsl_core.delivery.parts import WHOLE, Part
 from mcsl_core.delivery.quality import quality_named
 from mcsl_core.delivery.source import ProgrammeSource
 from mcsl_core.edl import Edl, Override
@@ -283,6 +284,7 @@ class Programme(Fields):
         jobs: int | None = None,
         prune: bool = False,
         audio: str | None = None,
+        part: Part = WHOLE,
         progress: Progress | None = None,
     ) -> Conformed:
         """Makes the exact programme pictures as media, only what is missing or changed; changes need not be saved.
@@ -297,17 +299,19 @@ class Programme(Fields):
             Chunks made at the same time, one a core without; whether those that the EDL does not need are deleted.
         audio : str, optional
             The camera whose sound is taken, or "none"; the reference's without.
+        part : Part, optional
+            Which of the chunks are made; all without.
 
         Returns
         -------
         Conformed
-            ``chunks`` that tile the programme, ``audio``, and how many were ``made`` now.
+            ``chunks`` that tile the programme, or its part, ``audio``, and how many were ``made`` now.
         """
         out = default_folder(self.path) if folder is None else Path(folder)
         progress = progress or Silent()
-        how: dict[str, Any] = {"jobs": jobs, "prune": prune, "quality": quality_named(quality), "progress": progress}
+        how: dict[str, Any] = {"jobs": jobs, "prune": prune, "quality": quality_named(quality), "part": part}
         source = ProgrammeSource(self._edl, self.folder, filler_of(self._edl, progress), audio)
-        return conforming.conform(source, out, **how)
+        return conforming.conform(source, out, **how, progress=progress)
 
     def render(
         self,

@@ -1,7 +1,8 @@
 """Conform: the exact full-resolution programme pictures as media that Blender cuts, and the programme's sound.
 
 `chunk_keys` says which files there shall be; those that are missing are made here, several at a time, each under its
-own name only when it is whole. So an interrupted run loses the chunks it was at, and the same command carries on.
+own name only when it is whole. So an interrupted run loses the chunks it was at, and the same command carries on; jobs
+that make parts of one programme need not know of each other, and two at one chunk make the same file twice.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from attrs import frozen
 from mcsl_core.compositing.compositor import Compositor
 from mcsl_core.compositing.parallax import Parallax
 from mcsl_core.compositing.stand_ins import StandIns
-from mcsl_core.errors import Cancelled, UsageError
+from mcsl_core.errors import Cancelled, UsageError, writing
 from mcsl_core.media.fingerprint import newest_change_s
 from mcsl_core.media.writing import VideoWriter
 from mcsl_core.outputs.claim import claim_folder, is_same_file
@@ -35,6 +36,7 @@ from mcsl_core.recording.footage import footage_of
 
 from .audio import is_audible, sound_key, write_wav
 from .chunk_keys import Chunk, is_chunk, media_fingerprints, plan_chunks, with_former_keys
+from .parts import WHOLE, Part
 from .quality import STANDARD, Quality, as_good_as
 from .source import ProgrammeSource
 
@@ -69,11 +71,12 @@ def conform(
     jobs: int | None = None,
     prune: bool = False,
     quality: Quality = STANDARD,
+    part: Part = WHOLE,
     progress: Progress | None = None,
 ) -> Conformed:
     """Makes the chunks that ``out`` lacks, and the programme's sound.
 
-    A run that is stopped leaves whole chunks only, and the next carries on. Runs into one folder take turns.
+    A run that is stopped leaves whole chunks only, and the next carries on. Runs take turns, those of parts do not.
 
     Parameters
     ----------
@@ -87,13 +90,15 @@ def conform(
         Whether mcsl's own chunks and sound that this EDL does not use, and those of a lesser quality, are deleted.
     quality
         How the pictures are coded and resampled.
+    part
+        Which of the chunks are made, and the sound with the first of them: all of it without.
     progress
         Where it is told how far it is.
 
     Returns
     -------
     Conformed
-        What is there.
+        What is there of it.
 
     Raises
     ------
@@ -102,19 +107,17 @@ def conform(
     """
     progress = progress or Silent()
     jobs = min(os.cpu_count() or 1, _MOST_JOBS) if jobs is None else jobs
-    if jobs < 1:
-        raise UsageError(f"at least one chunk is made at a time, got {jobs}", remedy="Choose 1 or more jobs")
+    _check(jobs, prune, part)
     manifest = _claimed(out)
     read_contents(media_files(source.edl, source.base), progress)  # takes minutes; then it is remembered
-    chunks = plan_chunks(source.edl, source.base, filler=source.filler, quality=quality)
-    out.mkdir(parents=True, exist_ok=True)
-    with in_turn(manifest.path, "conform", _Waiting(progress)):
+    chunks = part.taken(plan_chunks(source.edl, source.base, filler=source.filler, quality=quality))
+    with _turn(manifest, part, progress):
         _rename_former(source, manifest, chunks, quality)
         tell_of_changed_media(source.edl, source.base, progress)
         missing = [chunk for chunk in chunks if not (out / chunk.name).is_file()]
         if missing:
             _tell_of_space(source, out, chunks, missing, quality, progress)
-        audio = _make_sound(source, out, progress)
+        audio = _make_sound(source, out, progress) if part.first else None
         _adopt(manifest, [out / chunk.name for chunk in chunks if chunk not in missing], audio)
         if missing:
             _make_chunks(source, out, missing, min(jobs, len(missing)), quality, progress)
@@ -123,11 +126,25 @@ def conform(
     return Conformed(out, chunks, audio, len(missing))
 
 
+def _check(jobs: int, prune: bool, part: Part) -> None:
+    if jobs < 1:
+        raise UsageError(f"at least one chunk is made at a time, got {jobs}", remedy="Choose 1 or more jobs")
+    if prune and part != WHOLE:
+        raise UsageError("who makes a part does not know what others need", remedy="Prune without a part, afterwards")
+
+
+def _turn(manifest: Manifest, part: Part, progress: Progress) -> contextlib.AbstractContextManager[None]:
+    """Held by one run after another; jobs that make parts shall run side by side."""
+    return in_turn(manifest.path, "conform", _Waiting(progress)) if part == WHOLE else contextlib.nullcontext()
+
+
 def _claimed(out: Path) -> Manifest:
     """What mcsl made in ``out`` so far; InputError where that is no folder to write to."""
     claim_folder(out)
     manifest = Manifest.inside(out)
     manifest.check()
+    with writing(out):
+        out.mkdir(parents=True, exist_ok=True)
     return manifest
 
 
@@ -147,6 +164,8 @@ def _rename_former(source: ProgrammeSource, manifest: Manifest, chunks: Sequence
             name = out / missing[former.range].name
             try:
                 name.hardlink_to(lying)  # timelines that were built before still name the other
+            except FileExistsError:  # another part's job was at it
+                continue
             except OSError:
                 lying.rename(name)
             manifest.record(lying, name)
@@ -232,6 +251,8 @@ class _ChunkMaker:
     def make(self, chunk: Chunk) -> Path:
         """The file of ``chunk``, made now."""
         edl, quality, path = self._source.edl, self._quality, self._out / chunk.name
+        if path.is_file():  # another job has made it since
+            return path
         with (
             Compositor(
                 edl,

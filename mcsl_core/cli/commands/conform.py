@@ -20,24 +20,28 @@ from mcsl_core.progress import counted
     "--quality", default="standard", show_default=True, help="Of the conformed pictures: draft, standard or fine."
 )
 @click.option("--jobs", type=click.IntRange(min=1), help="Chunks made at the same time (default: one a core).")
+@click.option("--part", metavar="K/N", help="Make the K-th of N parts by time; other jobs make the others meanwhile.")
 @click.option("--prune", is_flag=True, help="Delete chunks that the EDL no longer needs.")
 @audio_option
 @allow_outside
 @click.pass_obj
-def conform(session: Session, edl: Path, out: Path | None, quality: str, **how: Any) -> None:
+def conform(session: Session, edl: Path, out: Path | None, quality: str, part: str | None, **how: Any) -> None:
     """Make the exact programme pictures of EDL.
 
     From the original media, in full resolution, in chunks: only what is missing or changed is made.
     Qualities lie beside each other; a timeline shows the finest there is of each stretch.
+    With --part several jobs, on several machines with one folder, share the work; each may be killed and repeated.
     """
     from mcsl_core.blender.messages import ConformedMedia, to_json
     from mcsl_core.blender.timeline import piece_of
+    from mcsl_core.delivery.parts import WHOLE, Part
     from mcsl_core.delivery.quality import quality_named
 
     quality_named(quality)  # a wrong call is told before the EDL is read
+    taken = WHOLE if part is None else Part.read(part)
     programme = mcsl.open(edl)
     with session.progress() as progress:
-        done = programme.conform(folder=out, quality=quality, **how, progress=progress)
+        done = programme.conform(folder=out, quality=quality, part=taken, **how, progress=progress)
     folder = done.folder
     media = ConformedMedia(
         folder=folder,
