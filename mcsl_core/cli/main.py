@@ -47,7 +47,7 @@ def cli(ctx: click.Context, progress: str, debug: bool) -> None:
     ctx.obj = Session(progress, debug)
 
 
-_CARRY_ON = ("analyse", "conform", "render")  # they keep what is finished
+_CARRY_ON = ("analyse", "conform", "render", "archive")  # they keep what is finished
 
 for command in COMMANDS:
     cli.add_command(command)

@@ -3,6 +3,7 @@
 import click
 
 from .analyse import analyse
+from .archive import archive
 from .blender import blender_group
 from .conform import conform
 from .demo import demo
@@ -28,6 +29,7 @@ COMMANDS: tuple[click.Command, ...] = (
     render,
     evaluate,
     report,
+    archive,
     list_plugins,
     plugin_group,
     blender_group,
