@@ -16,7 +16,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 LOCK = ROOT / "requirements.lock"
-EXTRAS = ("test", "docs", "examples", "dev")
+EXTRAS = ("test", "archive", "docs", "examples", "dev")
 HEAD = "# Written by tools/lock.py (`python3 dev.py lock`); what is wanted stands in pyproject.toml.\n"
 
 

@@ -42,7 +42,7 @@ def strip(path: Path, out: Path, *, sound: bool = True) -> None:
             av.open(local_url(out), "w", format=kind, container_options=muxer_options(kind)) as target,
         ):
             kept = [main_video(source, path), *(source.streams.audio if sound else ())]
-            streams = {stream.index: _copied(target, stream) for stream in kept}
+            streams = {stream.index: copied(target, stream) for stream in kept}
             for packet in source.demux(kept):
                 if packet.size:  # the last are dummies
                     codec = packet.stream.codec_context.name
@@ -57,7 +57,8 @@ def strip(path: Path, out: Path, *, sound: bool = True) -> None:
         ) from error
 
 
-def _copied(target: Any, stream: Any) -> Any:
+def copied(target: Any, stream: Any) -> Any:
+    """A stream of ``target`` for the packets of ``stream`` as they are, without what its encoder says of itself."""
     copy = target.add_stream_from_template(stream, opaque=True)
     copy.metadata.clear()
     context = stream.codec_context

@@ -9,6 +9,7 @@ from .conform import conform
 from .demo import demo
 from .evaluate import evaluate
 from .field import field
+from .join import join
 from .look import look
 from .plugin import plugin_group
 from .plugins import list_plugins
@@ -30,6 +31,7 @@ COMMANDS: tuple[click.Command, ...] = (
     evaluate,
     report,
     archive,
+    join,
     list_plugins,
     plugin_group,
     blender_group,

@@ -21,28 +21,38 @@ from mcsl_core.cli.output import Session
 @click.option("--profile", metavar="NAME", help="Snakemake's profile: Slurm, Kubernetes or whatever it names.")
 @click.option("--mcsl", metavar="COMMAND", help="How a job calls mcsl where it runs (default: by this Python).")
 @click.option("--dry-run", is_flag=True, help="Say what would be done, how long and how large, and do nothing.")
+@click.option("--openjd", type=PATH, metavar="FILE", help="Write a job template for render farms in place of working.")
 @click.option("--anonymous", is_flag=True, help="Call operations by number in folders, logs, triage and reports.")
 @click.pass_obj
-def archive(
-    session: Session, archive: Path, out: Path, table: Path | None, dry_run: bool, anonymous: bool, **how: Any
-) -> None:
+def archive(session: Session, archive: Path, out: Path, *, dry_run: bool, openjd: Path | None, **how: Any) -> None:
     """Work through all operations of ARCHIVE.
 
     ARCHIVE is a folder with a folder for each operation. Each is analysed, conformed, rendered without Blender,
     measured and reported; then a page ranks them by what needs a person. Done again it does only what is new.
+    With --openjd those that have an EDL are rendered by the Blenders of a farm: Open Job Description, as YAML.
     """
     from mcsl_core.archive.engine import Engine
+    from mcsl_core.archive.openjd import template_text
     from mcsl_core.archive.run import carry_out, describe, survey
     from mcsl_core.archive.triage import write_triage
+    from mcsl_core.outputs.claim import claim
+    from mcsl_core.outputs.manifest import Manifest
 
+    given: dict[str, Any] = {name: how.pop(name) for name in ("table", "anonymous")}
     engine = Engine(**{name: value for name, value in how.items() if value is not None})
-    given: dict[str, Any] = {"table": table, "anonymous": anonymous}
+    output = None if openjd is None else claim(openjd, manifest=Manifest.beside(out / "archive.json"))
     with session.progress() as progress:
         works = survey(archive, out, **given, progress=progress)
-        if not dry_run:
+        if output is not None and openjd is not None:
+            output.write(template_text(works, out, openjd).encode("utf-8"))
+        elif not dry_run:
+            anonymous = given["anonymous"]
             carry_out(works, out, engine, anonymous=anonymous, progress=progress)
             works = survey(archive, out, **given, progress=progress)
             write_triage(works, out, anonymous=anonymous, progress=progress)
+    if output is not None:
+        session.result({"template": str(openjd)}, f"{openjd}: for those operations that have an EDL")
+        return
     states = Counter(work.outcome.state for work in works)
     values = {"operations": dict(states), **({} if dry_run else {"triage": str(out / "triage.html")})}
     session.result(values, describe(works, out) if dry_run else f"{out / 'triage.html'}: {describe(works, out)}")
