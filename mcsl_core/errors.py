@@ -65,6 +65,12 @@ class InputError(McslError):
     exit_code = 3
 
 
+class BusyError(InputError):
+    """Another process is at work on it: the same call will do later."""
+
+    exit_code = 4
+
+
 class DocumentError(InputError):
     """A JSON document (EDL, preset, truth) is malformed; ``where`` holds the path to the wrong value."""
 

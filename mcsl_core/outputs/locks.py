@@ -16,7 +16,7 @@ from pathlib import Path
 
 import filelock
 
-from mcsl_core.errors import InputError, McslError, writing
+from mcsl_core.errors import BusyError, McslError, writing
 
 PATIENCE_S = 30.0  # for a change to a document, which takes a moment
 _LONGEST = 200  # bytes of a name: with what stands round it, it stays below the 255 that file systems take
@@ -56,12 +56,12 @@ def alone(path: Path, what: str) -> Iterator[None]:
 
     Raises
     ------
-    InputError
+    BusyError
         Where another process is at it; it says which.
     """
     with _held(path, what, 0) as holder:
         if holder is not None:
-            raise InputError(
+            raise BusyError(
                 f"another mcsl{holder} is at work on it ({what})",
                 where=str(path),
                 remedy="Wait for it to end, or choose another name",

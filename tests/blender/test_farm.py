@@ -65,7 +65,7 @@ def pictures(path: Path) -> list[np.ndarray]:
     with av.open(str(path)) as container:
         stream = container.streams.video[0]
         found = list(container.decode(stream))
-        assert [round(frame.time * stream.average_rate) for frame in found] == list(range(len(found)))
+        assert [round(frame.time * float(stream.average_rate or 0)) for frame in found] == list(range(len(found)))
         return [f.reformat(format="yuv420p").to_ndarray()[: f.height].copy() for f in found]
 
 
