@@ -138,3 +138,10 @@ def test_without_snakemake_it_says_what_to_install(
     done = mcsl("archive", archive, "-o", tmp_path / "out")
     assert done.returncode == 4
     assert 'pip install "mcsl[archive]"' in done.stderr
+
+
+def test_what_snakemake_itself_refuses_is_told(archive: Path, tmp_path: Path) -> None:
+    done = mcsl("archive", archive, "-o", tmp_path / "out", "--profile", "no such profile")
+    assert done.returncode == 4
+    assert "Snakemake ended with" in done.stderr
+    assert "snakemake.txt" in done.stderr
