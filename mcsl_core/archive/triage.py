@@ -116,11 +116,15 @@ def page(entries: Sequence[Entry]) -> str:
         total=len(entries),
         needy=sum(bool(entry.reasons) for entry in entries),
         states=states,
-        hours=sum(entry.row.seconds for entry in entries) / 3600,
+        length=_length(sum(entry.row.seconds for entry in entries)),
         filters=[(kind, words, counts[kind]) for kind, words in _FILTERS.items() if counts[kind]],
         kinds=KINDS,
         version=__version__,
     )
+
+
+def _length(seconds: float) -> str:
+    return f"{seconds / 3600:,.0f} hours" if seconds >= 36000 else short_time(seconds, hours=True)
 
 
 _FILTERS = {**KINDS, "waiting": "not done yet", "fine": "nothing to do"}

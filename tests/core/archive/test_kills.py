@@ -44,7 +44,7 @@ def disturbed(psutil: Any, words: list[str], out: Path, chance: random.Random, k
     """One run in which processes are killed as long as there are kills left."""
     child = subprocess.Popen([sys.executable, "-m", "mcsl_core.cli", "--progress", "none", *words, str(out)])
     while child.poll() is None:
-        time.sleep(chance.uniform(0.2, 6))
+        time.sleep(chance.uniform(0.1, 2.5))
         victims = at_work(psutil, out)
         if len(killed) >= KILLS or not victims:
             continue
