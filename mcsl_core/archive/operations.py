@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from pathlib import Path
 
 from attrs import frozen
@@ -118,10 +118,11 @@ def _registered(archive: Path, out: Path, folders: Sequence[str], anonymous: boo
             raise UsageError(
                 "names operations the other way", where=str(out), remedy=f"{how}, or choose another folder"
             )
-    keys = dict(known.keys)
+    keys, taken = dict(known.keys), {key.casefold() for key in known.keys.values()}
     for folder in folders:
         if folder not in keys:
-            keys[folder] = f"{len(keys) + 1:06d}" if anonymous else _named(folder, keys)
+            keys[folder] = f"{len(keys) + 1:06d}" if anonymous else _named(folder, taken)
+            taken.add(keys[folder].casefold())
     made = Register(SCHEMA, place, anonymous, keys)
     if made != known:
         out.mkdir(parents=True, exist_ok=True)
@@ -131,10 +132,9 @@ def _registered(archive: Path, out: Path, folders: Sequence[str], anonymous: boo
     return made
 
 
-def _named(folder: str, keys: Mapping[str, str]) -> str:
+def _named(folder: str, taken: Set[str]) -> str:
     """A name that no shell, engine or file system reads otherwise, and that no other operation has."""
     key = re.sub(r"[^\w.-]", "_", folder).lstrip(".-") or "_"
-    taken = {other.casefold() for other in keys.values()}
     name, number = key[:150], 2
     while name.casefold() in taken or name in ("archive.json", "log"):
         name, number = f"{key[:150]}_{number}", number + 1

@@ -88,7 +88,7 @@ class Cluster:
             **os.environ,
             "SLURM_CONF": str(work / "slurm.conf"),
             "LD_LIBRARY_PATH": f"{self.plugins}:{libraries}",
-            "PATH": f"{self.root}/usr/bin:{os.environ['PATH']}",
+            "PATH": f"{work}/bin:{os.environ['PATH']}",
         }
 
     def fetch(self) -> None:
@@ -101,9 +101,15 @@ class Cluster:
             subprocess.run(["dpkg", "-x", str(deb), str(self.root)], check=True)
 
     def configure(self) -> None:
-        for name in ("state", *(f"spool.{node}" for node in NODES)):
-            (self.work / name).mkdir(exist_ok=True)
+        for name in ("bin", "state", *(f"spool.{node}" for node in NODES)):
+            shutil.rmtree(self.work / name, ignore_errors=True)
+            (self.work / name).mkdir()
+        for program in (self.root / "usr/bin").iterdir():  # jobs lose SLURM_CONF: Snakemake's plugin clears SLURM_*
+            ours = self.work / "bin" / program.name
+            ours.write_text(f'#!/bin/sh\nSLURM_CONF={self.work}/slurm.conf exec {program} "$@"\n')
+            ours.chmod(0o755)
         key = self.work / "munge.key"
+        key.unlink(missing_ok=True)
         key.write_bytes(os.urandom(128))
         key.chmod(0o400)
         host = socket.gethostname().partition(".")[0]
