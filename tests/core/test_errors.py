@@ -9,7 +9,7 @@ from multiprocessing import get_context
 import pytest
 
 from mcsl_core import errors
-from mcsl_core.errors import Cancelled, DocumentError, Fault, InputError, McslError, UsageError
+from mcsl_core.errors import BusyError, Cancelled, DocumentError, Fault, InputError, McslError, UsageError
 
 KINDS = [k for k in vars(errors).values() if isinstance(k, type) and issubclass(k, McslError)]
 
@@ -32,7 +32,7 @@ def test_a_fault_says_the_path_below_its_object():
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_exit_codes_are_those_of_the_design(kind):
-    expected = {UsageError: 2, InputError: 3, Cancelled: 130}
+    expected = {UsageError: 2, BusyError: 4, InputError: 3, Cancelled: 130}
     code = next((c for base, c in expected.items() if issubclass(kind, base)), 4)
     assert kind.exit_code == code
 
