@@ -8,6 +8,7 @@ from .blender import blender_group
 from .conform import conform
 from .demo import demo
 from .evaluate import evaluate
+from .export import export
 from .field import field
 from .join import join
 from .look import look
@@ -27,6 +28,7 @@ COMMANDS: tuple[click.Command, ...] = (
     look,
     pull,
     conform,
+    export,
     render,
     evaluate,
     report,

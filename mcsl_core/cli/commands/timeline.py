@@ -11,6 +11,7 @@ import click
 import mcsl_core as mcsl
 from mcsl_core.cli.options import FORCE, PATH, allow_outside
 from mcsl_core.cli.output import Session
+from mcsl_core.errors import UsageError
 from mcsl_core.progress import counted
 
 
@@ -34,18 +35,57 @@ def timeline(session: Session, edl: Path, out: Path, **how: Any) -> None:
 
 
 @click.command()
-@click.argument("blend", type=PATH)
-@click.option("-o", "--out", type=PATH, help="The EDL to write (default: the one the timeline was built from).")
-@click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
+@click.argument("document", type=PATH)
+@click.option("--edl", type=PATH, help="The EDL it was exported from; a .blend names its own.")
+@click.option("-o", "--out", type=PATH, help="The EDL to write (default: the one the changes belong to).")
+@click.option("--blender", metavar="PATH", help="The Blender to use for a .blend (see: mcsl blender).")
 @FORCE
 @allow_outside
 @click.pass_obj
-def pull(session: Session, blend: Path, out: Path | None, blender: str | None, force: bool) -> None:
-    """Read the editor's changes in BLEND as overrides."""
+def pull(session: Session, document: Path, edl: Path | None, out: Path | None, **how: Any) -> None:
+    """Read the editor's changes in DOCUMENT as overrides.
+
+    A .blend that `mcsl timeline` built; or what another editor made of an export: .fcpxml, .xml, .otio or .edl, with
+    --edl. What is changed there and cannot be said in an EDL is named and left.
+    """
+    from mcsl_core.interchange.formats import format_to_read
+
+    if format_to_read(document) is not None:
+        _pull_document(session, document, edl, out, **how)
+        return
+    if edl is not None:
+        raise UsageError(
+            "--edl belongs to a document of another editor; a .blend names its own EDL",
+            where=str(document),
+            remedy="Name an .fcpxml, .xml, .otio or .edl file, or leave out --edl",
+        )
     from mcsl_core.blender import installation
     from mcsl_core.blender.timeline import pull_overrides
 
+    blender = how.pop("blender")
     with session.progress() as progress:
-        edl = pull_overrides(blend, out, blender=installation.find(blender), force=force, progress=progress)
-    count = len(edl.overrides)
+        pulled = pull_overrides(document, out, blender=installation.find(blender), **how, progress=progress)
+    count = len(pulled.overrides)
     session.result({"overrides": count}, counted(count, "overrides"))
+
+
+def _pull_document(
+    session: Session, document: Path, edl: Path | None, out: Path | None, *, blender: str | None, force: bool
+) -> None:
+    from mcsl_core.interchange.pull import pull as read
+
+    if edl is None:
+        remedy = f"Say which with --edl, such as: mcsl pull {quote(str(document))} --edl edl.json"
+        raise UsageError("does not say which EDL it was exported from", where=str(document), remedy=remedy)
+    if blender is not None:
+        raise UsageError("--blender is for a .blend", where=str(document), remedy="Leave it out")
+    with session.progress() as progress:
+        pulled = read(document, edl, out, force=force, progress=progress)
+    count, changed = len(pulled.edl.overrides), len(pulled.changes.cameras)
+    values = {
+        "overrides": count,
+        "changed": [[piece.start, piece.stop, camera] for piece, camera in pulled.changes.cameras],
+        "removed": [[piece.start, piece.stop] for piece in pulled.changes.removed],
+        "not_read": list(pulled.changes.notes),
+    }
+    session.result(values, f"{pulled.path}: {counted(changed, 'stretches')} changed, {counted(count, 'overrides')}")

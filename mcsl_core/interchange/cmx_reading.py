@@ -1,0 +1,108 @@
+"""CMX3600 edit decision lists as they come back from an editor."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+
+from mcsl_core.errors import DocumentError, UsageError
+from mcsl_core.input_files import read_text
+from mcsl_core.timing import FrameRange
+
+from .found import FoundClip, FoundCut
+from .timecode import count_of, may_drop
+
+WHAT = "an edit decision list (CMX3600)"
+_CODE = r"(\d{2}:\d{2}:\d{2}[:;.,]\d{2})"
+_EVENT = re.compile(rf"(\d+)\s+(\S.*?)\s+(\S+)\s+([CDWK]\S*)\s+(?:\S+\s+)?{_CODE}\s+{_CODE}\s+{_CODE}\s+{_CODE}")
+_COMMENT = re.compile(r"\*?\s*(FROM CLIP NAME|SOURCE FILE|FROM FILE|LOC|MCSL CUT)\s*:\s*(.*)")
+_LOCATOR = re.compile(rf"{_CODE}\s+\S+\s*(.*)")
+_BLACK = ("BL", "BLACK")
+
+
+def read_cmx(path: Path, rate: Fraction) -> FoundCut:
+    """The events of a list.
+
+    Parameters
+    ----------
+    path
+        The list.
+    rate
+        Frames a second, which a list does not say: the programme's.
+
+    Raises
+    ------
+    InputError
+        Where it cannot be read, or is no list.
+    """
+    lines = read_text(path, wanted=WHAT, remedy="Hand in the .edl file as the editor exported it").splitlines()
+    return _Reader(path, rate).read(lines)
+
+
+class _Reader:
+    """Frames are counted from the first event: where a clip comes from says what it shows, not where it lies."""
+
+    def __init__(self, path: Path, rate: Fraction) -> None:
+        self._path, self._rate = path, rate
+        self._drop = False
+        self.notes: list[str] = []
+
+    def read(self, lines: list[str]) -> FoundCut:
+        events: list[tuple[re.Match[str], bool, dict[str, str]]] = []
+        markers, basis = [], ""
+        for number, line in enumerate(map(str.strip, lines), start=1):
+            if line.startswith("FCM:"):
+                self._drop = "NON" not in line and may_drop(self._rate)
+            elif event := _EVENT.fullmatch(line):
+                events.append((event, self._drop, {}))
+            elif comment := _COMMENT.fullmatch(line):
+                name, text = comment.groups()
+                if name == "MCSL CUT":
+                    basis = text
+                elif name == "LOC" and (locator := _LOCATOR.fullmatch(text)):
+                    markers.append((self._count(locator[1], self._drop, number), locator[2]))
+                elif events:
+                    events[-1][2][name] = text
+            elif line.startswith("M2"):
+                self.notes.append(f"a change of speed in line {number}")
+        if not events:
+            raise DocumentError("has no events", where=str(self._path), remedy=f"Check that it is {WHAT}")
+        shown = [event for event in events if event[0][3] in ("V", "B") or event[0][3].startswith("AA/V")]
+        zero = min((self._count(event[7], drop) for event, drop, _ in shown), default=0)
+        clips = [clip for event in shown for clip in self._clip(*event, zero)]
+        return FoundCut(
+            rate=self._rate,
+            clips=tuple(clips),
+            markers=tuple((at - zero, name) for at, name in markers),
+            basis=basis,
+            notes=tuple(self.notes),
+        )
+
+    def _clip(self, event: re.Match[str], drop: bool, said: dict[str, str], zero: int) -> Iterator[FoundClip]:
+        number, reel, _, kind = event.groups()[:4]
+        if kind != "C":
+            self.notes.append(f"the transition {kind} of event {number}")
+        marked = ";" in event[7]  # then a label without it is none of drop-frame, whatever the list says
+        source = self._count(event[5], drop and not marked)
+        start, stop = self._count(event[7], drop), self._count(event[8], drop)
+        if reel in _BLACK or start >= stop:
+            return
+        yield FoundClip(
+            name=said.get("FROM CLIP NAME", ""),
+            range=FrameRange(start - zero, stop - zero),
+            layer=0,
+            path=said.get("SOURCE FILE", said.get("FROM FILE", "")),
+            reel=reel,
+            source_s=source / self._rate,
+        )
+
+    def _count(self, code: str, drop: bool, line: int | None = None) -> int:
+        text = code.replace(",", ";").replace(".", ":")
+        text = text[:8] + (";" if drop or text[8] == ";" else ":") + text[9:]
+        try:
+            return count_of(text, self._rate)[0]
+        except UsageError as error:
+            where = f"{self._path}, line {line}" if line else str(self._path)
+            raise DocumentError(error.what, where=where, remedy="Check the rate of the EDL and of this list") from error

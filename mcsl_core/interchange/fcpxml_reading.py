@@ -1,0 +1,194 @@
+"""FCPXML of any version as it comes back from Final Cut Pro or Resolve."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from fractions import Fraction
+from pathlib import Path
+
+from mcsl_core.errors import DocumentError
+from mcsl_core.timing import FrameRange
+
+from .found import FoundClip, FoundCut
+from .xml_text import path_of, read_xml
+
+WHAT = "an FCPXML document"
+_BUNDLE = "Info.fcpxml"
+_TIME = re.compile(r"([+-]?\d{1,20})(?:/(\d{1,20}))?s")
+_BASIS = re.compile(r"mcsl cut ([0-9a-f]{16})")
+_STORY = ("mc-clip", "asset-clip", "clip", "video", "ref-clip", "sync-clip", "title", "audition", "spine", "gap")
+_KNOWN = ("mc-clip", "asset-clip", "clip", "video")
+_EFFECTS = ("timeMap", "filter-video", "filter-video-mask", "adjust-crop", "adjust-stabilization", "adjust-corners")
+
+
+def read_fcpxml(path: Path) -> FoundCut:
+    """The first sequence of a document.
+
+    Raises
+    ------
+    InputError
+        Where it cannot be read, is no FCPXML, or has no sequence.
+    """
+    path = path / _BUNDLE if path.is_dir() else path
+    root = read_xml(path, "fcpxml", WHAT)
+    sequences = root.findall(".//project/sequence")
+    if not sequences:
+        raise DocumentError("has no project with a sequence", where=str(path), remedy="Export the project itself")
+    found = _Reader(root, sequences[0], path).read()
+    if len(sequences) > 1:
+        names = ", ".join(repr(one.get("name", "")) for one in root.findall(".//project")[1:])
+        found.notes.append(f"of {len(sequences)} projects the first is read, not {names}")
+    return found.cut()
+
+
+class _Reader:
+    """Collects the clips of one sequence."""
+
+    def __init__(self, root: ET.Element, sequence: ET.Element, path: Path) -> None:
+        self._sequence, self._path = sequence, path
+        self._resources = {element.get("id", ""): element for element in root.iter() if element.get("id")}
+        form = self._resources.get(sequence.get("format", ""))
+        duration = self._time(form, "frameDuration") if form is not None else Fraction(0)
+        if duration <= 0:
+            raise self._fault("the sequence has no format with a frameDuration")
+        self._rate = 1 / duration
+        self._clips: list[FoundClip] = []
+        self._markers: list[tuple[int, str]] = []
+        self.notes: list[str] = []
+
+    def read(self) -> _Reader:
+        spine = self._sequence.find("spine")
+        if spine is None:
+            raise self._fault("the sequence has no spine")
+        self._spine(spine, self._time(self._sequence, "tcStart"), 0)
+        return self
+
+    def cut(self) -> FoundCut:
+        said = " ".join(note.text or "" for note in self._sequence.findall("note"))
+        basis = _BASIS.search(said)
+        return FoundCut(
+            rate=self._rate,
+            clips=tuple(self._clips),
+            markers=tuple(self._markers),
+            basis=basis[1] if basis else "",
+            notes=tuple(self.notes),
+        )
+
+    def _spine(self, spine: ET.Element, begin_s: Fraction, layer: int) -> None:
+        """The items of a storyline; their offsets count in the time that begins at ``begin_s`` at the sequence's 0."""
+        at_s = begin_s
+        for item in spine:
+            if item.tag == "transition":
+                self.notes.append(f"a transition at frame {self._frame(self._time(item, 'offset', at_s) - begin_s)}")
+            elif item.tag in _STORY:
+                offset_s = self._time(item, "offset", at_s)
+                self._item(item, offset_s - begin_s, layer)
+                at_s = offset_s + self._lasts(item)
+
+    def _item(self, item: ET.Element, at_s: Fraction, layer: int) -> None:
+        """One item that begins ``at_s`` after the sequence's start, and what is connected to it."""
+        start_s = self._start(item)
+        lasts_s = self._lasts(item)
+        if item.tag in _KNOWN and self._shows(item):
+            self._clip(item, at_s, lasts_s, layer)
+        elif item.tag in ("title", "ref-clip", "sync-clip", "audition"):
+            self.notes.append(f"a {item.tag} {item.get('name', '')!r} at frame {self._frame(at_s)}")
+        for child in item:
+            if child.tag == "marker" or child.tag == "chapter-marker":
+                at = self._frame(at_s + self._time(child, "start") - start_s)
+                self._markers.append((at, child.get("value", "")))
+            elif child.tag in _STORY and child.get("lane") is not None:
+                lane = layer + self._lane(child)
+                below_s = at_s + self._time(child, "offset") - start_s
+                if child.tag == "spine":
+                    self._spine_at(child, below_s, lane)
+                else:
+                    self._item(child, below_s, lane)
+            elif child.tag in _EFFECTS:
+                self.notes.append(f"{child.tag} of {item.get('name', '')!r} at frame {self._frame(at_s)}")
+
+    def _spine_at(self, spine: ET.Element, at_s: Fraction, layer: int) -> None:
+        first = next((item for item in spine if item.tag in _STORY), None)
+        begin_s = Fraction(0) if first is None else self._time(first, "offset")
+        self._spine(spine, begin_s - at_s, layer)
+
+    def _clip(self, item: ET.Element, at_s: Fraction, lasts_s: Fraction, layer: int) -> None:
+        source = item if item.tag != "clip" else next((c for c in item if c.tag in ("video", "asset-clip")), item)
+        resource = self._resources.get(source.get("ref", ""))
+        start, stop = self._frame(at_s), self._frame(at_s + lasts_s)
+        if not 0 <= start < stop:
+            self.notes.append(f"the clip {item.get('name', '')!r} before the sequence's start, or of no length")
+            return
+        angle, path, zero_s = None, "", None
+        if item.tag == "mc-clip":
+            angle, zero_s = self._angle(item, resource), self._multicam_start(resource)
+        elif resource is not None:
+            rep = resource.find("media-rep")
+            path = path_of(resource.get("src", "") if rep is None else rep.get("src", ""))
+            zero_s = self._time(resource, "start")
+        start_s = self._start(item)
+        if source is not item:  # a clip's own time is that of what lies in it
+            start_s += self._start(source) - self._time(source, "offset")
+        self._clips.append(
+            FoundClip(
+                name=item.get("name", ""),
+                range=FrameRange(start, stop),
+                layer=layer,
+                enabled=item.get("enabled", "1") != "0",
+                angle=angle,
+                path=path,
+                source_s=start_s,
+                zero_s=zero_s,
+            )
+        )
+
+    def _shows(self, item: ET.Element) -> bool:
+        resource = self._resources.get(item.get("ref", ""))
+        silent = resource is not None and resource.tag == "asset" and resource.get("hasVideo") != "1"
+        return item.get("srcEnable") != "audio" and not silent
+
+    def _angle(self, item: ET.Element, media: ET.Element | None) -> str:
+        shown = [s.get("angleID") for s in item.findall("mc-source") if s.get("srcEnable", "all") in ("all", "video")]
+        angles = [] if media is None else media.findall("./multicam/mc-angle")
+        wanted = shown[0] if shown else (angles[0].get("angleID") if angles else None)
+        return next((a.get("name", "") for a in angles if a.get("angleID") == wanted), "")
+
+    def _multicam_start(self, media: ET.Element | None) -> Fraction:
+        multicam = None if media is None else media.find("multicam")
+        return Fraction(0) if multicam is None else self._time(multicam, "tcStart")
+
+    def _start(self, item: ET.Element) -> Fraction:
+        """An item's own time where it begins: what it refers to begins there, where it does not say."""
+        if item.get("start") is not None:
+            return self._time(item, "start")
+        resource = self._resources.get(item.get("ref", ""))
+        if resource is None:
+            return Fraction(0)
+        return self._multicam_start(resource) if resource.tag == "media" else self._time(resource, "start")
+
+    def _lasts(self, item: ET.Element) -> Fraction:
+        if item.get("duration") is None and item.get("ref") in self._resources:
+            return self._time(self._resources[item.get("ref", "")], "duration")
+        return self._time(item, "duration")
+
+    def _lane(self, item: ET.Element) -> int:
+        try:
+            return int(item.get("lane", "0"))
+        except ValueError:
+            raise self._fault(f"lane={item.get('lane')!r} is no whole number") from None
+
+    def _frame(self, seconds: Fraction) -> int:
+        return round(seconds * self._rate)
+
+    def _time(self, element: ET.Element, name: str, otherwise: Fraction = Fraction(0)) -> Fraction:
+        said = element.get(name)
+        if said is None:
+            return otherwise
+        match = _TIME.fullmatch(said)
+        if match is None or (match[2] is not None and int(match[2]) == 0):
+            raise self._fault(f"{name}={said[:40]!r} of <{element.tag}> is no time")
+        return Fraction(int(match[1]), int(match[2] or 1))
+
+    def _fault(self, what: str) -> DocumentError:
+        return DocumentError(what, where=str(self._path), remedy="Export it again from the editor")

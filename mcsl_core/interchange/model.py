@@ -1,0 +1,229 @@
+"""The cut, whatever it is written as: a sequence of shots over synchronised angles, in exact numbers.
+
+Frames are the programme's, counted from 0; what the first of them is called is the sequence's `start`. A place in a
+medium is a number of its own pictures from its first one, whatever timecode that bears.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+from typing import Literal
+
+import attrs
+from attrs import field, frozen
+
+from mcsl_core.errors import Fault
+from mcsl_core.timing import FrameRange
+
+MarkerKind = Literal["movement", "pose", "weak", "shot", "override"]
+
+
+@frozen
+class Medium:
+    """A file that clips are taken from.
+
+    Attributes
+    ----------
+    path
+        Absolute.
+    rate
+        Pictures a second; of a file without pictures the programme's, and its frames are counted in that.
+    frames
+        How many there are: no clip reaches beyond them.
+    start
+        What its first picture is called, counted in pictures from midnight; 0 where it bears no timecode.
+    drop
+        Whether that timecode is drop-frame.
+    size
+        Displayed (width, height); None of a file without pictures.
+    channels
+        Of its sound; 0 without.
+    audio_rate
+        Samples a second; 0 without sound.
+    """
+
+    path: Path
+    rate: Fraction
+    frames: int
+    start: int = 0
+    drop: bool = False
+    size: tuple[int, int] | None = None
+    channels: int = 0
+    audio_rate: int = 0
+
+    @property
+    def start_s(self) -> Fraction:
+        """Its first picture's timecode, in seconds."""
+        return self.start / self.rate
+
+    @property
+    def duration_s(self) -> Fraction:
+        return self.frames / self.rate
+
+
+@frozen
+class Transform:
+    """A picture scaled about its middle, turned, and its middle moved.
+
+    Attributes
+    ----------
+    x, y
+        Of its middle from the programme's, in programme pixels, right and down.
+    scale
+        Programme pixels a camera pixel.
+    rotation
+        Degrees, clockwise.
+    """
+
+    x: float
+    y: float
+    scale: float
+    rotation: float
+
+
+@frozen
+class Clip:
+    """Programme frames ``range`` show ``medium`` from its picture ``source`` on, at its own speed.
+
+    Raises
+    ------
+    Fault
+        Where the medium has no such pictures.
+    """
+
+    camera: str
+    range: FrameRange
+    medium: Medium
+    source: Fraction
+    rate: Fraction = field(repr=False)  # the programme's
+    transform: Transform | None = None
+
+    def __attrs_post_init__(self) -> None:
+        if not 0 <= self.source <= self.source_stop <= self.medium.frames:
+            raise Fault(
+                f"{self.range} would show pictures {self.source} to {self.source_stop} of {self.medium.path.name}, "
+                f"which has {self.medium.frames}"
+            )
+
+    @property
+    def speed(self) -> Fraction:
+        """Pictures of the medium a programme frame."""
+        return self.medium.rate / self.rate
+
+    @property
+    def source_stop(self) -> Fraction:
+        return self.source + len(self.range) * self.speed
+
+    def part(self, piece: FrameRange) -> Clip | None:
+        """What of it lies in ``piece``, or None."""
+        both = self.range.intersection(piece)
+        if both is None:
+            return None
+        return attrs.evolve(self, range=both, source=self.source + (both.start - self.range.start) * self.speed)
+
+
+@frozen
+class Angle:
+    """A camera's own pictures in programme time, in order; where none lies the camera shows nothing."""
+
+    camera: str
+    clips: tuple[Clip, ...]
+
+    def within(self, piece: FrameRange) -> Iterator[Clip]:
+        """Its clips in ``piece``, cut to it."""
+        return (part for clip in self.clips if (part := clip.part(piece)) is not None)
+
+
+@frozen
+class Shot:
+    """A stretch that shows one camera, as the EDL has it with its overrides."""
+
+    range: FrameRange
+    camera: str
+
+
+@frozen(order=True)
+class Marker:
+    """What stands at a place of the programme, for the editor to see."""
+
+    range: FrameRange
+    kind: MarkerKind
+    name: str
+    note: str = ""
+
+
+@frozen(kw_only=True)
+class Sequence:
+    """The whole cut.
+
+    Attributes
+    ----------
+    name
+        What the editor sees.
+    rate, frames, size
+        The programme's.
+    start
+        What frame 0 is called, counted in frames from midnight.
+    drop
+        Whether timecodes are drop-frame.
+    basis
+        A digest of the automatic choice that the shots rest on.
+    shots
+        They tile [0, frames).
+    angles
+        The cameras, the reference camera last; the lowest first where they are laid over each other.
+    markers
+        In order.
+    programme
+        The conformed programme; None where shots show the angles themselves.
+    sound
+        What is heard, in order: of one camera, or conformed; none where the programme is silent.
+    """
+
+    name: str
+    rate: Fraction
+    frames: int
+    size: tuple[int, int]
+    start: int
+    drop: bool
+    basis: str
+    shots: tuple[Shot, ...]
+    angles: tuple[Angle, ...]
+    markers: tuple[Marker, ...] = ()
+    programme: Medium | None = None
+    sound: tuple[Clip, ...] = ()
+
+    def angle(self, camera: str) -> Angle:
+        """The angle of that camera; KeyError where there is none."""
+        for angle in self.angles:
+            if angle.camera == camera:
+                return angle
+        raise KeyError(camera)
+
+    def seconds(self, frame: int) -> Fraction:
+        """How long after frame 0 programme frame ``frame`` stands."""
+        return frame / self.rate
+
+    @property
+    def start_s(self) -> Fraction:
+        """The timecode of frame 0 in seconds."""
+        return self.start / self.rate
+
+    def shown(self) -> tuple[Clip, ...]:
+        """The clips that make the picture, in order: a clip a shot of the conformed programme, else of the angles."""
+        return tuple(clip for shot in self.shots for clip in self.shown_in(shot))
+
+    def shown_in(self, shot: Shot) -> Iterator[Clip]:
+        """The clips that make the picture of one shot, in order."""
+        if self.programme is None:
+            return self.angle(shot.camera).within(shot.range)
+        return iter((Clip(shot.camera, shot.range, self.programme, Fraction(shot.range.start), self.rate),))
+
+    def media(self) -> tuple[Medium, ...]:
+        """Every file, once, in the order of their first use."""
+        used = [clip.medium for angle in self.angles for clip in angle.clips]
+        used += [self.programme] if self.programme else []
+        used += [clip.medium for clip in self.sound]
+        return tuple(dict.fromkeys(used))

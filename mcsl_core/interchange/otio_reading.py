@@ -1,0 +1,139 @@
+"""OpenTimelineIO's JSON as it comes back from an editor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from mcsl_core.documents import read_json
+from mcsl_core.errors import DocumentError
+from mcsl_core.timing import FrameRange
+
+from .found import FoundClip, FoundCut
+from .otio_writing import KEY
+from .xml_text import path_of
+
+WHAT = "an OpenTimelineIO document"
+_CLOSE = Fraction(1, 10_000)  # rates are floats: within so much of NTSC's they are those
+
+
+def read_otio(path: Path) -> FoundCut:
+    """The timeline of a document.
+
+    Raises
+    ------
+    InputError
+        Where it cannot be read, or is no timeline.
+    """
+    document = read_json(path, wanted=WHAT, remedy="Hand in the .otio file as the editor exported it")
+    try:
+        return _Reader(document).read()
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError, ZeroDivisionError) as error:
+        what = f"is not {WHAT}, or misses what one has ({type(error).__name__}: {error})"
+        raise DocumentError(what, where=str(path), remedy="Export it again from the editor") from error
+
+
+class _Reader:
+    def __init__(self, document: dict[str, Any]) -> None:
+        if _kind(document) != "Timeline":
+            raise ValueError(f"it is a {_kind(document)}, not a Timeline")
+        self._timeline = document
+        self._tracks = [t for t in document["tracks"]["children"] if _kind(t) == "Track" and t["kind"] == "Video"]
+        said = document.get("metadata", {}).get(KEY, {})
+        self._basis = str(said.get("cut", ""))
+        start = document.get("global_start_time")
+        first = next((c for t in self._tracks for c in t["children"] if c.get("source_range")), None)
+        if start is None and first is None:
+            raise ValueError("it has no video")
+        self._rate = rate_of(start["rate"] if start else first["source_range"]["duration"]["rate"])  # pyright: ignore[reportOptionalSubscript]
+        self.notes: list[str] = []
+
+    def read(self) -> FoundCut:
+        clips = tuple(clip for layer, track in enumerate(self._tracks) for clip in self._track(track, layer))
+        marked = [
+            *self._timeline["tracks"].get("markers", ()),
+            *(m for t in self._tracks for m in t.get("markers", ())),
+        ]
+        markers = [(self._frames(m["marked_range"]["start_time"]), str(m.get("name", ""))) for m in marked]
+        return FoundCut(
+            rate=self._rate, clips=clips, markers=tuple(markers), basis=self._basis, notes=tuple(self.notes)
+        )
+
+    def _track(self, track: dict[str, Any], layer: int) -> Iterator[FoundClip]:
+        at_s = Fraction(0)
+        shown = track.get("enabled", True)
+        for child in track["children"]:
+            kind = _kind(child)
+            at = round(at_s * self._rate)
+            if kind == "Transition":
+                self.notes.append(f"a transition at frame {at}")
+                continue
+            span = child.get("source_range") or _available(child)
+            lasts_s = seconds(span["duration"])
+            stop = round((at_s + lasts_s) * self._rate)
+            name = str(child.get("name", ""))
+            for effect in child.get("effects", ()):
+                what = effect.get("effect_name") or effect.get("name") or _kind(effect)
+                self.notes.append(f"{what!r} of {name!r} at frame {at}")
+            if kind == "Clip" and at < stop:
+                yield from self._clip(child, FrameRange(at, stop), layer, shown)
+            elif kind not in ("Clip", "Gap"):
+                self.notes.append(f"a {kind} {name!r} at frame {at}")
+            at_s += lasts_s
+
+    def _clip(self, clip: dict[str, Any], piece: FrameRange, layer: int, shown: bool) -> Iterator[FoundClip]:
+        key, _ = _active(clip)
+        name = str(clip.get("name", ""))
+        # The source range counts in the medium that the clip is named after, whichever angle was chosen since.
+        medium = clip.get("media_references", {}).get(name) or _active(clip)[1]
+        span = clip.get("source_range") or _available(clip)
+        if _kind(medium) != "ExternalReference":
+            self.notes.append(f"the clip {clip.get('name', '')!r} at frame {piece.start}, which has no file")
+            return
+        available = medium.get("available_range")
+        yield FoundClip(
+            name=name,
+            range=piece,
+            layer=layer,
+            enabled=bool(shown and clip.get("enabled", True)),
+            angle=key,
+            path=path_of(str(medium.get("target_url", ""))),
+            source_s=seconds(span["start_time"]),
+            zero_s=seconds(available["start_time"]) if available else None,
+        )
+
+    def _frames(self, time: dict[str, Any]) -> int:
+        return round(seconds(time) * self._rate)
+
+
+def rate_of(value: float) -> Fraction:
+    """The rate that a float stands for: NTSC's fractions where it is near one."""
+    exact = Fraction(value)
+    whole = Fraction(-(-exact.numerator // exact.denominator))
+    near = next((r for r in (Fraction(round(value)), whole * 1000 / 1001) if abs(r - exact) < _CLOSE), None)
+    return near or exact.limit_denominator(1001)
+
+
+def seconds(time: dict[str, Any]) -> Fraction:
+    """A RationalTime in seconds, its rate made exact."""
+    return Fraction(time["value"]) / rate_of(time["rate"])
+
+
+def _kind(value: Any) -> str:
+    return str(value["OTIO_SCHEMA"]).partition(".")[0]
+
+
+def _active(clip: dict[str, Any]) -> tuple[str | None, dict[str, Any]]:
+    """(key, medium) that the clip shows; the key of one that has several."""
+    if "media_references" not in clip:
+        return None, clip["media_reference"]
+    key = clip.get("active_media_reference_key", "DEFAULT_MEDIA")
+    return str(key), clip["media_references"][key]
+
+
+def _available(clip: dict[str, Any]) -> dict[str, Any]:
+    if _kind(clip) != "Clip":
+        raise ValueError(f"a {_kind(clip)} has no source_range")
+    return _active(clip)[1]["available_range"]

@@ -1,0 +1,139 @@
+"""Which camera a clip that came back shows, and which programme frames: by what it is taken from, not where it lies."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import PurePosixPath, PureWindowsPath
+
+from attrs import frozen
+
+from mcsl_core.timing import FrameRange
+
+from .cmx_writing import reels_of
+from .conformed import MARK
+from .found import FoundClip
+from .model import Angle, Medium, Sequence
+from .xml_text import plain
+
+
+@frozen
+class Placed:
+    """Programme frames that a clip shows.
+
+    Attributes
+    ----------
+    start
+        The first of them; it may lie before 0.
+    camera
+        Whose pictures.
+    """
+
+    start: int
+    camera: str
+
+
+class Placer:
+    """Finds clips in a cut.
+
+    Parameters
+    ----------
+    cut
+        As it was exported, or would be now.
+    """
+
+    def __init__(self, cut: Sequence) -> None:
+        self._cut = cut
+        self._cameras = {plain(angle.camera): angle.camera for angle in cut.angles}
+        self._owner = {medium: angle.camera for angle in cut.angles for medium in _media(angle)}
+        reels = reels_of([angle.camera for angle in cut.angles])
+        self._reels = {reel: camera for camera, reel in reels.items()}
+        self._begins = {(clip.camera, clip.range.start) for clip in cut.shown()}
+
+    def place(self, clip: FoundClip) -> Placed | None:
+        """Where the clip stands in the programme; None where it is of other media."""
+        chosen = self._cameras.get(clip.angle) if clip.angle is not None else None
+        if clip.angle is not None and not clip.path:  # of the multicam clip, whose time is the programme's
+            camera = chosen or self._cameras.get(clip.name)
+            return None if camera is None else Placed(self._programme_frame(clip), camera)
+        medium = self._medium(clip)
+        if medium is not None:
+            camera = self._owner[medium]
+            return Placed(self._frame_of(clip, medium), chosen or camera)
+        if _stem(clip.path or clip.name).endswith(MARK):
+            start = self._programme_frame(clip)
+            named = chosen or self._cameras.get(clip.name)
+            return Placed(start, named or self._camera_at(start))
+        return None
+
+    def _programme_frame(self, clip: FoundClip) -> int:
+        return round((clip.source_s - (clip.zero_s or 0)) * self._cut.rate)
+
+    def _camera_at(self, frame: int) -> str:
+        """Whom the cut shows there: what a conformed clip says whose name was changed."""
+        return next((s.camera for s in self._cut.shots if frame in s.range), self._cut.shots[-1].camera)
+
+    def _medium(self, clip: FoundClip) -> Medium | None:
+        """The camera file that a clip is of: the one whose path ends most alike, else the one that is called so."""
+        said = _parts(clip.path)
+        alike = {medium: _alike(said, _parts(str(medium.path))) for medium in self._owner}
+        most = max(alike.values(), default=0)
+        best = [medium for medium, count in alike.items() if count == most and most > 0]
+        if not best and not clip.path:
+            best = [m for m in self._owner if clip.name in (m.path.name, m.path.stem)]
+        named = self._cameras.get(clip.name) or self._reels.get(clip.reel)
+        if len(best) != 1 and named is not None and not (clip.path and not best):
+            best = [medium for medium in best or self._owner if self._owner[medium] == named]
+        at_s = clip.source_s
+        if len(best) > 1 and clip.zero_s is None:
+            best = [m for m in best if m.start_s <= at_s < m.start_s + m.duration_s]
+        return best[0] if best else None
+
+    def _frame_of(self, clip: FoundClip, medium: Medium) -> int:
+        """The programme frame at which the clip's first picture stands."""
+        zero_s = medium.start_s if clip.zero_s is None else clip.zero_s
+        picture = (clip.source_s - zero_s) * medium.rate
+        camera = self._owner[medium]
+        pieces = [piece for piece in self._cut.angle(camera).clips if piece.medium == medium]
+        speed = pieces[0].speed
+        within = [piece for piece in pieces if piece.source - speed < picture < piece.source_stop]
+        nearest = min(pieces, key=lambda p: max(p.source - picture, picture - p.source_stop, Fraction(0)))
+        exact = [piece.range.start + (picture - piece.source) / speed for piece in within or [nearest]]
+        if speed == 1:
+            frames = [round(frame) for frame in exact if frame.denominator == 1] or [round(exact[0])]
+            frames = [n for n, p in zip(frames, within, strict=False) if n in p.range] or frames
+        else:  # a whole picture of the camera stands for more or less than a frame
+            around = [round(frame) + n for frame in exact for n in (-1, 0, 1, 2)]
+            frames = [n for n in around if any(abs(n - e) <= max(1 / speed, Fraction(1)) for e in exact)]
+        known = [n for n in frames if (camera, n) in self._begins]
+        return next((n for n in frames if n == clip.range.start), (known or frames)[0])
+
+
+def shown(clip: FoundClip, placed: Placed, piece: FrameRange) -> FrameRange | None:
+    """The programme frames that the part of ``clip`` lying at ``piece`` of the sequence shows; None before frame 0."""
+    start = placed.start + piece.start - clip.range.start
+    stop = start + len(piece)
+    return FrameRange(max(start, 0), stop) if stop > 0 else None
+
+
+def _media(angle: Angle) -> list[Medium]:
+    return list(dict.fromkeys(clip.medium for clip in angle.clips))
+
+
+def _parts(path: str) -> tuple[str, ...]:
+    """A path's names, of whatever system."""
+    kind = PureWindowsPath if "\\" in path and "/" not in path else PurePosixPath
+    return tuple(part.casefold() for part in kind(path).parts)
+
+
+def _alike(one: tuple[str, ...], other: tuple[str, ...]) -> int:
+    """How many names two paths have in common at their end."""
+    count = 0
+    for a, b in zip(reversed(one), reversed(other), strict=False):
+        if plain(a) != plain(b):
+            break
+        count += 1
+    return count
+
+
+def _stem(path: str) -> str:
+    return path.replace("\\", "/").rsplit("/", 1)[-1].rsplit(".", 1)[0]

@@ -1,0 +1,110 @@
+"""A document that came back from another editor -> overrides in the EDL that it was exported from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from attrs import frozen
+
+from mcsl_core import edl as edls
+from mcsl_core.edl import Edl
+from mcsl_core.edl.edits import rebased
+from mcsl_core.errors import InputError, UsageError
+from mcsl_core.outputs.claim import claim
+from mcsl_core.outputs.inputs import inputs_of
+from mcsl_core.outputs.locks import changing
+from mcsl_core.outputs.manifest import Manifest
+from mcsl_core.progress import Progress, Silent
+from mcsl_core.recording.footage import footage_of
+from mcsl_core.timing import format_time
+
+from .changes import Changes, find_changes, with_cameras
+from .conformed import MARK
+from .formats import Format, format_to_read
+from .found import FoundCut
+from .model import Medium
+from .sequence import Wanted, basis_of, sequence_of
+
+
+@frozen
+class Pulled:
+    """The EDL with what was decided, where it lies, and what was found changed."""
+
+    path: Path
+    edl: Edl
+    changes: Changes
+
+
+def pull(
+    document: Path, edl_path: Path, out: Path | None = None, *, force: bool = False, progress: Progress | None = None
+) -> Pulled:
+    """Reads an editor's changes into an EDL, or into a copy of it at ``out``.
+
+    Which camera is shown where becomes overrides; whatever else was found changed is told and left. Where nothing was
+    decided anew, the file is left as it is.
+
+    Raises
+    ------
+    InputError
+        The document cannot be read, runs at another rate, or was exported from another analysis; or ``out`` may not be
+        written over.
+    """
+    progress = progress or Silent()
+    form = format_to_read(document)
+    if form is None:
+        raise UsageError("is no editor's document that mcsl reads", where=str(document))
+    progress.stage(f"Reading {form.name}")
+    with changing(out or edl_path):
+        edl = edls.load(edl_path)
+        inputs = [document, *inputs_of(edl, edl_path)]
+        output = None
+        if out is not None and out.resolve() != edl_path.resolve():
+            output = claim(out, inputs=inputs, manifest=Manifest.beside(edl_path), force=force)
+        changes = changes_in(document, form, edl, edl_path.parent)
+        new = with_cameras(edl, changes.cameras)
+        if output is not None:
+            moved = rebased(new, edl_path.parent, output.path.parent)
+            output.write(edl_path.read_bytes() if moved == edl else edls.dumps(moved).encode())
+            edls.remember(moved, output.path)
+            new = moved
+        elif new != edl:
+            edls.save(new, edl_path)
+    for note in told(changes, edl):
+        progress.note(note)
+    return Pulled(out or edl_path, new, changes)
+
+
+def changes_in(document: Path, form: Format, edl: Edl, base: Path) -> Changes:
+    """What differs between the document and the EDL, whose paths are relative to ``base``."""
+    found = form.read(document, edl.rate)
+    _check(found, edl, document)
+    exact = any(MARK in clip.path for clip in found.clips)
+    programme = Medium(document.absolute(), edl.rate, edl.frames, size=edl.size) if exact else None
+    footage = footage_of(edl, base)
+    parts = {camera.name: footage.parts(camera.name) for camera in edl.cameras}
+    cut = sequence_of(edl, parts, Wanted(name=document.stem, programme=programme))
+    return find_changes(cut, found, form.layout)
+
+
+def told(changes: Changes, edl: Edl) -> list[str]:
+    """What is not read, in words for a person."""
+    lines = []
+    for piece in changes.removed:
+        start, stop = (format_time(frame / edl.rate) for frame in (piece.start, piece.stop))
+        lines.append(f"not read: frames {piece} ({start} to {stop}) were removed; the EDL keeps the programme whole")
+    return lines + [f"not read: {note}" for note in changes.notes]
+
+
+def _check(found: FoundCut, edl: Edl, document: Path) -> None:
+    if found.rate != edl.rate:
+        raise InputError(
+            f"runs at {found.rate} frames/s, the programme at {edl.rate}",
+            where=str(document),
+            remedy="Export the sequence at its own rate",
+        )
+    if found.basis and found.basis != basis_of(edl):
+        raise InputError(
+            "was exported from another analysis than this EDL holds now: what differs was not decided by the editor",
+            where=str(document),
+            remedy="Hand in the EDL that it was exported from with --edl, or export again",
+        )

@@ -1,0 +1,128 @@
+"""Final Cut Pro 7 XML as it comes back from Premiere Pro or Resolve."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from fractions import Fraction
+from pathlib import Path
+
+from mcsl_core.errors import DocumentError
+from mcsl_core.timing import FrameRange
+
+from .found import FoundClip, FoundCut
+from .xml_text import path_of, read_xml
+
+WHAT = "a Final Cut Pro 7 XML document (xmeml)"
+_BASIS = re.compile(r"mcsl cut ([0-9a-f]{16})")
+_TAKEN_UP = -1  # of a start or end that lies in a transition
+
+
+def read_xmeml(path: Path) -> FoundCut:
+    """The first sequence of a document.
+
+    Raises
+    ------
+    InputError
+        Where it cannot be read, is no xmeml, or has no sequence.
+    """
+    root = read_xml(path, "xmeml", WHAT)
+    sequence = root.find(".//sequence")
+    if sequence is None:
+        raise DocumentError("has no sequence", where=str(path), remedy="Export the sequence itself")
+    return _Reader(root, sequence, path).read()
+
+
+class _Reader:
+    def __init__(self, root: ET.Element, sequence: ET.Element, path: Path) -> None:
+        self._sequence, self._path = sequence, path
+        self._files = {f.get("id"): f for f in root.iter("file") if f.find("pathurl") is not None}
+        self._rate = self._rate_of(sequence)
+        if self._rate is None:
+            raise self._fault("the sequence has no rate")
+        self.notes: list[str] = []
+
+    def read(self) -> FoundCut:
+        clips: list[FoundClip] = []
+        for layer, track in enumerate(self._sequence.findall("./media/video/track")):
+            shown = track.findtext("enabled", "TRUE").strip().upper() != "FALSE"
+            items = list(track)
+            for index, item in enumerate(items):
+                if item.tag == "clipitem":
+                    clips += self._clip(items, index, layer, shown)
+                elif item.tag == "transitionitem":
+                    self.notes.append(f"a transition at frame {self._number(item, 'start')}")
+                elif item.tag == "generatoritem":
+                    name, at = item.findtext("name", ""), self._number(item, "start")
+                    self.notes.append(f"a title or generator {name!r} at frame {at}")
+        markers = [(self._number(m, "in"), m.findtext("name", "")) for m in self._sequence.findall("marker")]
+        basis = _BASIS.search(" ".join(self._sequence.itertext()))
+        assert self._rate is not None
+        return FoundCut(
+            rate=self._rate,
+            clips=tuple(clips),
+            markers=tuple(markers),
+            basis=basis[1] if basis else "",
+            notes=tuple(self.notes),
+        )
+
+    def _clip(self, items: list[ET.Element], index: int, layer: int, shown: bool) -> list[FoundClip]:
+        item = items[index]
+        name = item.findtext("name", "")
+        start, stop = self._ends(items, index)
+        if not 0 <= start < stop:
+            self.notes.append(f"the clip {name!r} before the sequence's start, or of no length")
+            return []
+        self._note_effects(item, name, start)
+        file = item.find("file")
+        if file is None:
+            self.notes.append(f"the clip {name!r} at frame {start}, which is nested or a multiclip")
+            return []
+        rate = self._rate_of(item) or self._rate
+        assert rate is not None
+        described = self._files.get(file.get("id"), file)
+        return [
+            FoundClip(
+                name=name,
+                range=FrameRange(start, stop),
+                layer=layer,
+                enabled=shown and item.findtext("enabled", "TRUE").strip().upper() != "FALSE",
+                path=path_of(described.findtext("pathurl", "").strip()),
+                source_s=self._number(item, "in") / rate,
+                zero_s=Fraction(0),
+            )
+        ]
+
+    def _ends(self, items: list[ET.Element], index: int) -> tuple[int, int]:
+        """Where an item begins and ends; a transition beside it says so in its place."""
+        start, stop = self._number(items[index], "start"), self._number(items[index], "end")
+        if start == _TAKEN_UP and index and items[index - 1].tag == "transitionitem":
+            start = self._number(items[index - 1], "start")
+        if stop == _TAKEN_UP and index + 1 < len(items) and items[index + 1].tag == "transitionitem":
+            stop = self._number(items[index + 1], "end")
+        return start, stop
+
+    def _note_effects(self, item: ET.Element, name: str, start: int) -> None:
+        for effect in item.findall("./filter/effect"):
+            if effect.findtext("effectid", "") not in ("basic", "opacity", "crop"):
+                what = effect.findtext("name", "an effect")
+                self.notes.append(f"{what!r} of {name!r} at frame {start}")
+
+    def _rate_of(self, element: ET.Element) -> Fraction | None:
+        rate = element.find("rate")
+        if rate is None:
+            return None
+        base = self._number(rate, "timebase")
+        if not 0 < base <= 1000:
+            raise self._fault(f"{base} is no timebase")
+        ntsc = rate.findtext("ntsc", "FALSE").strip().upper() == "TRUE"
+        return Fraction(base * 1000, 1001) if ntsc else Fraction(base)
+
+    def _number(self, element: ET.Element, tag: str) -> int:
+        text = (element.findtext(tag) or "").strip()
+        if not re.fullmatch(r"-?\d{1,18}", text):
+            raise self._fault(f"<{tag}>{text[:40]}</{tag}> of <{element.tag}> is no whole number")
+        return int(text)
+
+    def _fault(self, what: str) -> DocumentError:
+        return DocumentError(what, where=str(self._path), remedy="Export it again from the editor")
