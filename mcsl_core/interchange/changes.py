@@ -56,8 +56,10 @@ def find_changes(cut: Cut, found: FoundCut, layout: Layout) -> Changes:
     layout
         How the format holds angles.
     """
-    seen = _Seen(cut, found)
-    was = paint(cut.frames, _exported(cut, layout))
+    placer = Placer(cut)
+    seen = _Seen(cut, found, placer)
+    exact = any(map(placer.is_conformed, found.clips))
+    was = paint(cut.frames, _exported(cut, "multicam" if exact else layout))
     points = cut_points(cut.frames, [piece for piece, _ in (*was, *seen.painted)])
     cameras: list[tuple[FrameRange, str]] = []
     removed: list[FrameRange] = []
@@ -100,9 +102,8 @@ def paint(frames: int, laid: Iterable[tuple[FrameRange, T]]) -> Painted[T]:
 class _Seen:
     """What a viewer of the sequence sees of the programme."""
 
-    def __init__(self, cut: Cut, found: FoundCut) -> None:
+    def __init__(self, cut: Cut, found: FoundCut, placer: Placer) -> None:
         self._cut = cut
-        placer = Placer(cut)
         placed = [(clip, placer.place(clip)) for clip in found.clips]
         self._foreign = [clip for clip, where in placed if where is None]
         known = [(clip, where) for clip, where in placed if where is not None and clip.enabled]
@@ -142,7 +143,7 @@ class _Seen:
 
 def _exported(cut: Cut, layout: Layout) -> Iterator[tuple[FrameRange, str]]:
     """What an export that nobody touched shows, the lowest layer first."""
-    if cut.programme is not None or layout == "multicam":
+    if layout == "multicam":  # it lasts as long as the programme, as what is conformed does
         yield from ((shot.range, shot.camera) for shot in cut.shots)
         return
     below: Sequence[Clip] = [clip for angle in cut.angles for clip in angle.clips] if layout == "layers" else ()

@@ -49,6 +49,10 @@ class Placer:
         self._reels = {reel: camera for camera, reel in reels.items()}
         self._begins = {(clip.camera, clip.range.start) for clip in cut.shown()}
 
+    def is_conformed(self, clip: FoundClip) -> bool:
+        """Whether a clip is of the conformed programme: its file bears the name's mark and is no camera's."""
+        return bool(clip.path) and _stem(clip.path).endswith(MARK) and self._medium(clip) is None
+
     def place(self, clip: FoundClip) -> Placed | None:
         """Where the clip stands in the programme; None where it is of other media."""
         chosen = self._cameras.get(clip.angle) if clip.angle is not None else None

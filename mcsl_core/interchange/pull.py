@@ -19,10 +19,8 @@ from mcsl_core.recording.footage import footage_of
 from mcsl_core.timing import format_time
 
 from .changes import Changes, find_changes, with_cameras
-from .conformed import MARK
 from .formats import Format, format_to_read
 from .found import FoundCut
-from .model import Medium
 from .sequence import Wanted, basis_of, sequence_of
 
 
@@ -78,12 +76,9 @@ def changes_in(document: Path, form: Format, edl: Edl, base: Path) -> Changes:
     """What differs between the document and the EDL, whose paths are relative to ``base``."""
     found = form.read(document, edl.rate)
     _check(found, edl, document)
-    exact = any(MARK in clip.path for clip in found.clips)
-    programme = Medium(document.absolute(), edl.rate, edl.frames, size=edl.size) if exact else None
     footage = footage_of(edl, base)
     parts = {camera.name: footage.parts(camera.name) for camera in edl.cameras}
-    cut = sequence_of(edl, parts, Wanted(name=document.stem, programme=programme))
-    return find_changes(cut, found, form.layout)
+    return find_changes(sequence_of(edl, parts, Wanted(name=document.stem)), found, form.layout)
 
 
 def told(changes: Changes, edl: Edl) -> list[str]:
