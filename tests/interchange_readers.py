@@ -71,7 +71,8 @@ def frames_of(label: str, rate: Fraction) -> int:
 def by_pycmx(path: Path, rate: Fraction, starts: Mapping[str, int]) -> tuple[Shown, list[str]]:
     """(what the pictures' events show from the first event on, their clip names). starts: file -> its timecode."""
     with path.open(encoding="utf-8") as stream:
-        edits = [edit for edit in pycmx.parse_cmx3600(stream).edits if edit.channels.video]
+        parsed = pycmx.parse_cmx3600(stream)
+    edits = [edit for event in parsed.events for edit in event.edits if edit.channels.video]
     zero = min(frames_of(edit.record_in, rate) for edit in edits)
     shown: Shown = []
     for edit in edits:

@@ -19,6 +19,7 @@ _CODE = r"(\d{2}:\d{2}:\d{2}[:;.,]\d{2})"
 _EVENT = re.compile(rf"(\d+)\s+(\S.*?)\s+(\S+)\s+([CDWK]\S*)\s+(?:\S+\s+)?{_CODE}\s+{_CODE}\s+{_CODE}\s+{_CODE}")
 _COMMENT = re.compile(r"\*?\s*(FROM CLIP NAME|SOURCE FILE|FROM FILE|LOC|MCSL CUT)\s*:\s*(.*)")
 _LOCATOR = re.compile(rf"{_CODE}\s+\S+\s*(.*)")
+_CUT = re.compile(rf"([0-9a-f]{{16}})\s+{_CODE}")
 _BLACK = ("BL", "BLACK")
 
 
@@ -42,7 +43,7 @@ def read_cmx(path: Path, rate: Fraction) -> FoundCut:
 
 
 class _Reader:
-    """Frames are counted from the first event: where a clip comes from says what it shows, not where it lies."""
+    """Frames are counted from where the export began, as a comment says; where it is lost, from the first event."""
 
     def __init__(self, path: Path, rate: Fraction) -> None:
         self._path, self._rate = path, rate
@@ -51,7 +52,7 @@ class _Reader:
 
     def read(self, lines: list[str]) -> FoundCut:
         events: list[tuple[re.Match[str], bool, dict[str, str]]] = []
-        markers, basis = [], ""
+        markers, basis, zero = [], "", None
         for number, line in enumerate(map(str.strip, lines), start=1):
             if line.startswith("FCM:"):
                 self._drop = "NON" not in line and may_drop(self._rate)
@@ -59,8 +60,8 @@ class _Reader:
                 events.append((event, self._drop, {}))
             elif comment := _COMMENT.fullmatch(line):
                 name, text = comment.groups()
-                if name == "MCSL CUT":
-                    basis = text
+                if name == "MCSL CUT" and (cut := _CUT.fullmatch(text)):
+                    basis, zero = cut[1], self._count(cut[2], self._drop, number)
                 elif name == "LOC" and (locator := _LOCATOR.fullmatch(text)):
                     markers.append((self._count(locator[1], self._drop, number), locator[2]))
                 elif events:
@@ -70,7 +71,9 @@ class _Reader:
         if not events:
             raise DocumentError("has no events", where=str(self._path), remedy=f"Check that it is {WHAT}")
         shown = [event for event in events if event[0][3] in ("V", "B") or event[0][3].startswith("AA/V")]
-        zero = min((self._count(event[7], drop) for event, drop, _ in shown), default=0)
+        firsts = [self._count(event[7], drop) for event, drop, _ in shown]
+        if zero is None or zero > min(firsts, default=zero):
+            zero = min(firsts, default=0)
         clips = [clip for event in shown for clip in self._clip(*event, zero)]
         return FoundCut(
             rate=self._rate,

@@ -40,7 +40,8 @@ def write_cmx(cut: Sequence) -> bytes:
         reel = "MCSL" if cut.programme is not None else reels[clip.camera]
         lines += ["", f"{number:0{width}d}  {reel:<8} {track:<5} C        {_codes(cut, clip)}"]
         lines += [f"* FROM CLIP NAME: {_line(clip.camera)}", f"* SOURCE FILE: {_line(str(clip.medium.path))}"]
-        lines += [f"* MCSL CUT: {cut.basis}"] * (number == 1)
+        if number == 1:
+            lines.append(f"* MCSL CUT: {cut.basis} {label(cut.start, cut.rate, drop=cut.drop)}")
         while track == "V" and markers and markers[0].range.start < clip.range.stop:
             lines.append(_locator(cut, markers.pop(0)))
     return ("\n".join(lines) + "\n").encode("utf-8", "replace")

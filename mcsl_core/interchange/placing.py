@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import ceil, floor
 from pathlib import PurePosixPath, PureWindowsPath
 
 from attrs import frozen
@@ -12,7 +13,7 @@ from mcsl_core.timing import FrameRange
 from .cmx_writing import reels_of
 from .conformed import MARK
 from .found import FoundClip
-from .model import Angle, Medium, Sequence
+from .model import Angle, Clip, Medium, Sequence
 from .xml_text import plain
 
 
@@ -98,18 +99,34 @@ class Placer:
         picture = (clip.source_s - zero_s) * medium.rate
         camera = self._owner[medium]
         pieces = [piece for piece in self._cut.angle(camera).clips if piece.medium == medium]
-        speed = pieces[0].speed
-        within = [piece for piece in pieces if piece.source - speed < picture < piece.source_stop]
-        nearest = min(pieces, key=lambda p: max(p.source - picture, picture - p.source_stop, Fraction(0)))
-        exact = [piece.range.start + (picture - piece.source) / speed for piece in within or [nearest]]
-        if speed == 1:
-            frames = [round(frame) for frame in exact if frame.denominator == 1] or [round(exact[0])]
-            frames = [n for n, p in zip(frames, within, strict=False) if n in p.range] or frames
-        else:  # a whole picture of the camera stands for more or less than a frame
-            around = [round(frame) + n for frame in exact for n in (-1, 0, 1, 2)]
-            frames = [n for n in around if any(abs(n - e) <= max(1 / speed, Fraction(1)) for e in exact)]
+        if pieces[0].speed != 1:
+            return self._nearest(clip, pieces, picture)
+        within = [piece for piece in pieces if piece.source <= picture < piece.source_stop]
+        nearest = min(pieces, key=lambda p: max(p.source - picture, picture - p.source_stop))
+        frames = [round(piece.range.start + picture - piece.source) for piece in within or [nearest]]
         known = [n for n in frames if (camera, n) in self._begins]
-        return next((n for n in frames if n == clip.range.start), (known or frames)[0])
+        return clip.range.start if clip.range.start in frames else (known or frames)[0]
+
+    def _nearest(self, clip: FoundClip, pieces: list[Clip], picture: Fraction) -> int:
+        """The frame of a camera of another rate, of which a picture stands for more or less than one.
+
+        Formats that count in whole pictures or frames are off by one of them: where a clip began when it was exported
+        is likelier than what is beside it.
+        """
+        camera, speed = pieces[0].camera, pieces[0].speed
+        off = max(1 / speed, Fraction(1))
+        exact = [
+            piece.range.start + (picture - piece.source) / speed
+            for piece in pieces
+            if piece.source - off * speed < picture < piece.source_stop
+        ]
+        if not exact:
+            nearest = min(pieces, key=lambda p: max(p.source - picture, picture - p.source_stop))
+            return round(nearest.range.start + (picture - nearest.source) / speed)
+        around = sorted({floor(e) + n for e in exact for n in range(-1, ceil(off) + 2)})
+        close = [n for n in around if any(abs(n - e) <= off for e in exact)]
+        known = [n for n in close if (camera, n) in self._begins]
+        return clip.range.start if clip.range.start in (known or close) else (known or [round(exact[0])])[0]
 
 
 def shown(clip: FoundClip, placed: Placed, piece: FrameRange) -> FrameRange | None:
