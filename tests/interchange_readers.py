@@ -78,9 +78,10 @@ def by_pycmx(path: Path, rate: Fraction, starts: Mapping[str, int]) -> tuple[Sho
     for edit in edits:
         begin, end = (frames_of(code, rate) - zero for code in (edit.record_in, edit.record_out))
         source, source_end = (frames_of(code, rate) for code in (edit.source_in, edit.source_out))
-        assert source_end - source == end - begin
+        day = frames_of("23:59:59;00" if ";" in edit.source_in else "23:59:59:00", rate) + round(rate)
+        assert (source_end - source) % day == end - begin
         file = str(edit.source_file)
-        shown.append((begin, end - begin, file, Fraction(source - starts[file])))
+        shown.append((begin, end - begin, file, Fraction((source - starts[file]) % day)))
     return shown, [str(edit.clip_name) for edit in edits]
 
 

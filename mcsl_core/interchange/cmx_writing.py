@@ -13,7 +13,7 @@ from math import floor
 from mcsl_core.errors import UsageError
 
 from .model import Clip, Marker, Sequence
-from .timecode import label, nominal
+from .timecode import label, may_drop, nominal
 
 _REEL = 8
 _COLOURS = {"movement": "YELLOW", "pose": "BLUE", "weak": "RED", "shot": "GREEN", "override": "MAGENTA"}
@@ -67,7 +67,7 @@ def _codes(cut: Sequence, clip: Clip) -> str:
 def _source(cut: Sequence, clip: Clip) -> Iterator[str]:
     medium = clip.medium
     first = floor((medium.start + clip.source) / medium.rate * cut.rate)
-    drop = medium.drop if medium.start else cut.drop
+    drop = may_drop(cut.rate) and (medium.drop if medium.start else cut.drop)
     for count in (first, first + len(clip.range)):
         yield label(count, cut.rate, drop=drop)
 

@@ -14,6 +14,7 @@ from .cmx_writing import reels_of
 from .conformed import MARK
 from .found import FoundClip
 from .model import Angle, Clip, Medium, Sequence
+from .timecode import day_s
 from .xml_text import plain
 
 
@@ -48,7 +49,8 @@ class Placer:
         self._owner = {medium: angle.camera for angle in cut.angles for medium in _media(angle)}
         reels = reels_of([angle.camera for angle in cut.angles])
         self._reels = {reel: camera for camera, reel in reels.items()}
-        self._begins = {(clip.camera, clip.range.start) for clip in cut.shown()}
+        laid = [*cut.shown(), *(clip for angle in cut.angles for clip in angle.clips)]
+        self._begins = {(clip.camera, clip.range.start) for clip in laid}
 
     def is_conformed(self, clip: FoundClip) -> bool:
         """Whether a clip is of the conformed programme: its file bears the name's mark and is no camera's."""
@@ -90,13 +92,12 @@ class Placer:
             best = [medium for medium in best or self._owner if self._owner[medium] == named]
         at_s = clip.source_s
         if len(best) > 1 and clip.zero_s is None:
-            best = [m for m in best if m.start_s <= at_s < m.start_s + m.duration_s]
+            best = [m for m in best if self._zero_s(clip, m) - 1 <= at_s < self._zero_s(clip, m) + m.duration_s]
         return best[0] if best else None
 
     def _frame_of(self, clip: FoundClip, medium: Medium) -> int:
         """The programme frame at which the clip's first picture stands."""
-        zero_s = medium.start_s if clip.zero_s is None else clip.zero_s
-        picture = (clip.source_s - zero_s) * medium.rate
+        picture = (clip.source_s - self._zero_s(clip, medium)) * medium.rate
         camera = self._owner[medium]
         pieces = [piece for piece in self._cut.angle(camera).clips if piece.medium == medium]
         if pieces[0].speed != 1:
@@ -106,6 +107,13 @@ class Placer:
         frames = [round(piece.range.start + picture - piece.source) for piece in within or [nearest]]
         known = [n for n in frames if (camera, n) in self._begins]
         return clip.range.start if clip.range.start in frames else (known or frames)[0]
+
+    def _zero_s(self, clip: FoundClip, medium: Medium) -> Fraction:
+        """The timecode of the medium's first picture; a day less where its labels went past midnight."""
+        if clip.zero_s is not None:
+            return clip.zero_s
+        past = clip.source_s < medium.start_s - 1
+        return medium.start_s - past * day_s(self._cut.rate, drop=medium.drop)
 
     def _nearest(self, clip: FoundClip, pieces: list[Clip], picture: Fraction) -> int:
         """The frame of a camera of another rate, of which a picture stands for more or less than one.

@@ -12,7 +12,7 @@ from math import ceil
 
 from mcsl_core.errors import UsageError
 from mcsl_core.sync.clock_fit import Refusal
-from mcsl_core.sync.timecode import DAY_S, parse_timecode
+from mcsl_core.sync.timecode import DAY_S, Timecode, parse_timecode
 
 MOST_NOMINAL = 240  # frames a second that editors know of
 
@@ -35,6 +35,11 @@ def is_ntsc(rate: Fraction) -> bool:
 def may_drop(rate: Fraction) -> bool:
     """Whether there is drop-frame timecode at ``rate``: at 29.97 and its multiples."""
     return is_ntsc(rate) and nominal(rate) % 30 == 0
+
+
+def day_s(rate: Fraction, *, drop: bool) -> Fraction:
+    """How long timecode takes from one midnight to the next, in seconds."""
+    return Timecode(0, nominal(rate), drop).day / rate
 
 
 def label(count: int, rate: Fraction, *, drop: bool) -> str:

@@ -203,7 +203,9 @@ def test_a_shot_removed_from_every_track_of_an_otio():
 
 
 def test_a_list_with_an_event_left_out_and_another_camera(tmp_path):
-    made = film(Fraction(30000, 1001), 90, cameras={"cam3": {"clock": Clock(offset_s=-1.001)}})
+    rate = Fraction(30000, 1001)
+    files = {"cam3": [facts_of("2/cam3.mp4", rate, 150)]}
+    made = film(rate, 90, files=files, cameras={"cam3": {"clock": Clock(offset_s=-1.001)}})
     lines = FORMATS[".edl"].write(made.cut(start="01:00:00;00", sound=None)).decode().splitlines()
     first, second, third = (next(n for n, line in enumerate(lines) if line.startswith(f"00{i}")) for i in (1, 2, 3))
     # The first event now shows cam3, whose pictures are 30 ahead; the second is gone.
