@@ -68,20 +68,26 @@ def frames_of(label: str, rate: Fraction) -> int:
     return int(otio.opentime.from_timecode(label, float(rate)).value)
 
 
+def day_of(label: str, rate: Fraction) -> int:
+    """Frames from midnight to midnight, counted as ``label`` is."""
+    return frames_of(f"23:59:59{label[8]}00", rate) + round(rate)
+
+
 def by_pycmx(path: Path, rate: Fraction, starts: Mapping[str, int]) -> tuple[Shown, list[str]]:
     """(what the pictures' events show from the first event on, their clip names). starts: file -> its timecode."""
     with path.open(encoding="utf-8") as stream:
         parsed = pycmx.parse_cmx3600(stream)
     edits = [edit for event in parsed.events for edit in event.edits if edit.channels.video]
-    zero = min(frames_of(edit.record_in, rate) for edit in edits)
+    zero = frames_of(edits[0].record_in, rate)
     shown: Shown = []
     for edit in edits:
         begin, end = (frames_of(code, rate) - zero for code in (edit.record_in, edit.record_out))
         source, source_end = (frames_of(code, rate) for code in (edit.source_in, edit.source_out))
-        day = frames_of("23:59:59;00" if ";" in edit.source_in else "23:59:59:00", rate) + round(rate)
-        assert (source_end - source) % day == end - begin
+        length = (end - begin) % day_of(edit.record_in, rate)
+        begin %= day_of(edit.record_in, rate)
+        assert (source_end - source) % day_of(edit.source_in, rate) == length
         file = str(edit.source_file)
-        shown.append((begin, end - begin, file, Fraction((source - starts[file]) % day)))
+        shown.append((begin, length, file, Fraction((source - starts[file]) % day_of(edit.source_in, rate))))
     return shown, [str(edit.clip_name) for edit in edits]
 
 

@@ -12,7 +12,7 @@ from mcsl_core.input_files import read_text
 from mcsl_core.timing import FrameRange
 
 from .found import FoundClip, FoundCut
-from .timecode import count_of, may_drop
+from .timecode import count_of, day_s, may_drop
 
 WHAT = "an edit decision list (CMX3600)"
 _CODE = r"(\d{2}:\d{2}:\d{2}[:;.,]\d{2})"
@@ -71,14 +71,13 @@ class _Reader:
         if not events:
             raise DocumentError("has no events", where=str(self._path), remedy=f"Check that it is {WHAT}")
         shown = [event for event in events if event[0][3] in ("V", "B") or event[0][3].startswith("AA/V")]
-        firsts = [self._count(event[7], drop) for event, drop, _ in shown]
-        if zero is None or zero > min(firsts, default=zero):
-            zero = min(firsts, default=0)
-        clips = [clip for event in shown for clip in self._clip(*event, zero)]
+        if zero is None and shown:
+            zero = self._count(shown[0][0][7], shown[0][1])
+        clips = [clip for event in shown for clip in self._clip(*event, zero or 0)]
         return FoundCut(
             rate=self._rate,
             clips=tuple(clips),
-            markers=tuple((at - zero, name) for at, name in markers),
+            markers=tuple((self._since(zero or 0, at), name) for at, name in markers),
             basis=basis,
             notes=tuple(self.notes),
         )
@@ -89,17 +88,21 @@ class _Reader:
             self.notes.append(f"the transition {kind} of event {number}")
         marked = ";" in event[7]  # then a label without it is none of drop-frame, whatever the list says
         source = self._count(event[5], drop and not marked)
-        start, stop = self._count(event[7], drop), self._count(event[8], drop)
+        start, stop = (self._since(zero, self._count(code, drop)) for code in (event[7], event[8]))
         if reel in _BLACK or start >= stop:
             return
         yield FoundClip(
             name=said.get("FROM CLIP NAME", ""),
-            range=FrameRange(start - zero, stop - zero),
+            range=FrameRange(start, stop),
             layer=0,
             path=said.get("SOURCE FILE", said.get("FROM FILE", "")),
             reel=reel,
             source_s=source / self._rate,
         )
+
+    def _since(self, zero: int, count: int) -> int:
+        """Frames from ``zero`` on, past midnight too."""
+        return (count - zero) % int(day_s(self._rate, drop=self._drop) * self._rate)
 
     def _count(self, code: str, drop: bool, line: int | None = None) -> int:
         text = code.replace(",", ";").replace(".", ":")

@@ -165,11 +165,11 @@ def test_every_rate_and_start_timecode(rate, start, tmp_path):
     assert f" {start} {label(frames_of(start, rate) + middle, rate, drop=drop)}\n" in text
     shown, _ = by_pycmx(path, rate, {"/films/0/cam1.mp4": 0, "/films/2 ü.mp4": frames_of(code, rate)})
     assert shown == spans
-    if rate not in NTSC:  # the adapter's own arithmetic is in floats
-        assert [c.duration().value for c in by_cmx_adapter(write_cmx(cut), rate).video_tracks()[0]] == [
-            middle,
-            frames - middle,
-        ]
+    if rate not in NTSC and not start.startswith(
+        "22"
+    ):  # nothing past midnight, and the adapter's own arithmetic is in floats
+        timeline = by_cmx_adapter(write_cmx(cut), rate)  # held: its tracks live no longer than it does
+        assert [c.duration().value for c in timeline.video_tracks()[0]] == [middle, frames - middle]
 
 
 def marked():
