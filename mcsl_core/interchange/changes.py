@@ -11,10 +11,11 @@ import attrs
 from attrs import frozen
 
 from mcsl_core.edl import Edl, Override
+from mcsl_core.progress import counted
 from mcsl_core.timing import FrameRange, cut_points, format_time, joined, merge_equal
 
 from .found import FoundClip, FoundCut
-from .model import Clip
+from .model import Clip, Transform
 from .model import Sequence as Cut
 from .placing import Placed, Placer, shown
 
@@ -78,9 +79,9 @@ def with_cameras(edl: Edl, cameras: Iterable[tuple[FrameRange, str]]) -> Edl:
     Where the automatic choice is the same again, what overruled it is taken back.
     """
     overrides = list(edl.overrides)
+    automatic = merge_equal([(shot.range, shot.camera) for shot in edl.shots])
     for piece, camera in cameras:
         overrides = [part for override in overrides for part in _without_camera(override, piece)]
-        automatic = merge_equal([(shot.range, shot.camera) for shot in edl.shots])
         differs = [both for span, name in automatic if name != camera and (both := span.intersection(piece))]
         overrides += [Override(stretch, camera=camera) for stretch in joined(differs)]
     return attrs.evolve(edl, overrides=tuple(_grown(overrides)))
@@ -105,9 +106,9 @@ class _Seen:
     def __init__(self, cut: Cut, found: FoundCut, placer: Placer) -> None:
         self._cut = cut
         placed = [(clip, placer.place(clip)) for clip in found.clips]
+        self._placed = [(clip, where) for clip, where in placed if where is not None]
         self._foreign = [clip for clip, where in placed if where is None]
-        known = [(clip, where) for clip, where in placed if where is not None and clip.enabled]
-        self._parts = self._visible(known)
+        self._parts = self._visible([(clip, where) for clip, where in self._placed if clip.enabled])
         by_layer = sorted(self._parts, key=lambda part: part[0].layer)
         self.painted = paint(cut.frames, [(piece, camera) for _, piece, camera in by_layer])
 
@@ -125,11 +126,24 @@ class _Seen:
                 parts.append((clip, frames, where.camera))
         return parts
 
+    def _is_moved(self, clip: FoundClip, where: Placed) -> bool:
+        """Whether a clip's picture lies elsewhere than the export laid it."""
+        if clip.transform is None:
+            return False
+        laid = next((c.transform for c in self._cut.angle(where.camera).clips if where.start in c.range), None)
+        if where.conformed:
+            laid = Transform(0, 0, 1, 0)
+        return laid is not None and not _alike(laid, clip.transform)
+
     def notes(self) -> Iterator[str]:
         """What is seen and cannot be said in an EDL."""
         for clip in self._foreign:
             what = clip.path or clip.angle or clip.reel or "no file"
             yield f"{clip}: {what} is none of the programme's media"
+        moved = [(clip, where) for clip, where in self._placed if self._is_moved(clip, where)]
+        if moved:
+            at = format_time(moved[0][0].range.start / self._cut.rate)
+            yield f"{counted(len(moved), 'clips')} whose picture was moved, scaled or turned, the first at {at}"
         if any(piece.stop > self._cut.frames for _, piece, _ in self._parts):
             yield f"frames beyond the programme's end at {self._cut.frames}"
         highest = max((clip.layer for clip, _, _ in self._parts), default=0)
@@ -139,6 +153,13 @@ class _Seen:
         twice = sum(map(len, top)) - sum(map(len, joined(top)))
         if twice:
             yield f"{twice} frames that are shown more than once"
+
+
+def _alike(one: Transform, other: Transform) -> bool:
+    """Whether two transforms are one but for how editors round."""
+    shift = max(abs(one.x - other.x), abs(one.y - other.y))
+    turn = (one.rotation - other.rotation + 180) % 360 - 180
+    return shift < 0.1 and abs(one.scale - other.scale) < 3e-4 and abs(turn) < 0.02
 
 
 def _exported(cut: Cut, layout: Layout) -> Iterator[tuple[FrameRange, str]]:
@@ -154,7 +175,9 @@ def _marker_notes(cut: Cut, found: FoundCut) -> Iterator[str]:
     ours = Counter(" ".join(marker.name.split()) for marker in cut.markers)
     for frame, name in found.markers:
         plain = " ".join(name.split())
-        known = next((own for own in ours if ours[own] and own and plain.startswith(own)), None)
+        known = plain if ours[plain] > 0 else None
+        if known is None:  # an EDL has name and note in one
+            known = next((own for own, left in ours.items() if left > 0 and own and plain.startswith(own)), None)
         if known is None:
             yield f"the marker {name!r} at {format_time(frame / cut.rate)}"
         else:
@@ -206,8 +229,8 @@ def _grown(overrides: Sequence[Override]) -> list[Override]:
 
 def _continues(one: Override, other: Override, between: Sequence[Override]) -> bool:
     """Whether two are one decision, and no override between them in the list decides there."""
-    alone = other.camera is not None and attrs.evolve(other, camera=None) == Override(other.range)
-    same = attrs.evolve(one, range=other.range) == other
     meet = one.range.stop == other.range.start or other.range.stop == one.range.start
+    if not meet or other.camera is None or attrs.evolve(one, range=other.range) != other:
+        return False
     free = not any(b.camera is not None and b.range.intersection(other.range) for b in between)
-    return alone and same and meet and free
+    return free and other == Override(other.range, camera=other.camera)

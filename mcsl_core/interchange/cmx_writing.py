@@ -35,15 +35,15 @@ def write_cmx(cut: Sequence) -> bytes:
     events = [(clip.range.start, "V", clip) for clip in cut.shown()]
     events += [(clip.range.start, "A" if clip.medium.channels == 1 else "AA", clip) for clip in cut.sound]
     width = max(3, len(str(len(events))))
-    markers = list(cut.markers)
+    markers = list(reversed(cut.markers))
     for number, (_, track, clip) in enumerate(sorted(events, key=lambda e: (e[0], e[1] != "V")), start=1):
         reel = "MCSL" if cut.programme is not None else reels[clip.camera]
         lines += ["", f"{number:0{width}d}  {reel:<8} {track:<5} C        {_codes(cut, clip)}"]
         lines += [f"* FROM CLIP NAME: {_line(clip.camera)}", f"* SOURCE FILE: {_line(str(clip.medium.path))}"]
         if number == 1:
             lines.append(f"* MCSL CUT: {cut.basis} {label(cut.start, cut.rate, drop=cut.drop)}")
-        while track == "V" and markers and markers[0].range.start < clip.range.stop:
-            lines.append(_locator(cut, markers.pop(0)))
+        while track == "V" and markers and markers[-1].range.start < clip.range.stop:
+            lines.append(_locator(cut, markers.pop()))
     return ("\n".join(lines) + "\n").encode("utf-8", "replace")
 
 

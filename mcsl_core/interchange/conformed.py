@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from fractions import Fraction
 from math import ceil
@@ -87,6 +88,8 @@ def write_programme(conformed: Conformed, edl: Edl, path: Path, progress: Progre
     pieces = [Piece(chunk, at_s) for chunk, at_s in zip(conformed.chunks, begins, strict=True)]
     for done in concatenate(pieces, path):
         progress.advance(done)
+    with path.open("rb+") as stream:  # a power cut must not leave a name without its content
+        os.fsync(stream.fileno())
 
 
 def write_sound(conformed: Conformed, edl: Edl, path: Path) -> None:

@@ -19,7 +19,16 @@ _TIME = re.compile(r"([+-]?\d{1,20})(?:/(\d{1,20}))?s")
 _BASIS = re.compile(r"mcsl cut ([0-9a-f]{16})")
 _STORY = ("mc-clip", "asset-clip", "clip", "video", "ref-clip", "sync-clip", "title", "audition", "spine", "gap")
 _KNOWN = ("mc-clip", "asset-clip", "clip", "video")
-_EFFECTS = ("timeMap", "filter-video", "filter-video-mask", "adjust-crop", "adjust-stabilization", "adjust-corners")
+_EFFECTS = (
+    "timeMap",
+    "filter-video",
+    "filter-video-mask",
+    "adjust-crop",
+    "adjust-corners",
+    "adjust-stabilization",
+    "adjust-transform",
+    "adjust-volume",
+)
 
 
 def read_fcpxml(path: Path) -> FoundCut:
@@ -105,8 +114,9 @@ class _Reader:
                     self._spine_at(child, below_s, lane)
                 else:
                     self._item(child, below_s, lane)
-            elif child.tag in _EFFECTS:
-                self.notes.append(f"{child.tag} of {item.get('name', '')!r} at frame {self._frame(at_s)}")
+            for effect in (child, *(child if child.tag == "mc-source" else ())):
+                if effect.tag in _EFFECTS:
+                    self.notes.append(f"{effect.tag} of {item.get('name', '')!r} at frame {self._frame(at_s)}")
 
     def _spine_at(self, spine: ET.Element, at_s: Fraction, layer: int) -> None:
         first = next((item for item in spine if item.tag in _STORY), None)

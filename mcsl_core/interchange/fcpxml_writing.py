@@ -145,8 +145,7 @@ class _Writer:
 
     def spine(self, spine: ET.Element) -> None:
         """The shots; what is conformed is heard from its own file, cameras are heard as an angle."""
-        cut = self._cut
-        markers = {shot: [m for m in cut.markers if m.range.start in shot.range] for shot in cut.shots}
+        cut, markers = self._cut, list(reversed(self._cut.markers))
         for shot in cut.shots:
             place = self._place(shot.range.start)
             if cut.programme is None:
@@ -159,7 +158,8 @@ class _Writer:
                         offset = start + cut.seconds(sound.range.start)
                         self._asset_clip(clip, sound, offset, lane=-2, audioRole="dialogue")
                 self._mc_clip(clip, shot, start, lane=-1)
-            for marker in markers[shot]:
+            while markers and markers[-1].range.start < shot.range.stop:
+                marker = markers.pop()
                 self._marker(clip, marker, start + cut.seconds(marker.range.start - shot.range.start))
 
     def _mc_clip(self, parent: ET.Element, shot: Shot, offset: Fraction, **more: object) -> ET.Element:

@@ -8,6 +8,8 @@ from attrs import field, frozen
 
 from mcsl_core.timing import FrameRange
 
+from .model import Transform
+
 
 @frozen(kw_only=True)
 class FoundClip:
@@ -33,6 +35,8 @@ class FoundClip:
         Where it begins, in seconds: in its file's own timecode, or in the multicam clip's.
     zero_s
         The timecode of the file's or multicam clip's first picture in seconds; None where it is not said.
+    transform
+        Where its picture lies; None where it is not said.
     """
 
     name: str
@@ -44,6 +48,7 @@ class FoundClip:
     reel: str = ""
     source_s: Fraction
     zero_s: Fraction | None = None
+    transform: Transform | None = None
 
     def __str__(self) -> str:
         return f"the clip {self.name!r} at {self.range}"

@@ -28,10 +28,13 @@ class Placed:
         The first of them; it may lie before 0.
     camera
         Whose pictures.
+    conformed
+        Whether they are the conformed programme's.
     """
 
     start: int
     camera: str
+    conformed: bool = False
 
 
 class Placer:
@@ -69,7 +72,7 @@ class Placer:
         if _stem(clip.path or clip.name).endswith(MARK):
             start = self._programme_frame(clip)
             named = chosen or self._cameras.get(clip.name)
-            return Placed(start, named or self._camera_at(start))
+            return Placed(start, named or self._camera_at(start), conformed=True)
         return None
 
     def _programme_frame(self, clip: FoundClip) -> int:

@@ -11,6 +11,7 @@ from mcsl_core.errors import DocumentError
 from mcsl_core.timing import FrameRange
 
 from .found import FoundClip, FoundCut
+from .model import Transform
 from .xml_text import path_of, read_xml
 
 WHAT = "a Final Cut Pro 7 XML document (xmeml)"
@@ -90,8 +91,27 @@ class _Reader:
                 path=path_of(described.findtext("pathurl", "").strip()),
                 source_s=self._number(item, "in") / rate,
                 zero_s=Fraction(0),
+                transform=self._motion(item),
             )
         ]
+
+    def _motion(self, item: ET.Element) -> Transform | None:
+        """Where Basic Motion puts the picture, in pixels of the sequence; None without it, or where it moves."""
+        effect = next((e for e in item.findall("./filter/effect") if e.findtext("effectid") == "basic"), None)
+        size = self._sequence.find("./media/video/format/samplecharacteristics")
+        if effect is None or size is None:
+            return None
+        said = {p.findtext("parameterid", ""): p.find("value") for p in effect.findall("parameter")}
+        middle = said.get("center")
+        try:
+            return Transform(
+                x=_decimal(middle, "horiz", 0) * self._number(size, "width"),
+                y=_decimal(middle, "vert", 0) * self._number(size, "height"),
+                scale=_decimal(said.get("scale"), ".", 100) / 100,
+                rotation=_decimal(said.get("rotation"), ".", 0),
+            )
+        except ValueError:
+            return None
 
     def _ends(self, items: list[ET.Element], index: int) -> tuple[int, int]:
         """Where an item begins and ends; a transition beside it says so in its place."""
@@ -126,3 +146,7 @@ class _Reader:
 
     def _fault(self, what: str) -> DocumentError:
         return DocumentError(what, where=str(self._path), remedy="Export it again from the editor")
+
+
+def _decimal(element: ET.Element | None, tag: str, otherwise: float) -> float:
+    return otherwise if element is None else float(element.findtext(tag) or otherwise)

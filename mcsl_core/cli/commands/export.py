@@ -27,7 +27,7 @@ _START = "01:00:00:00"
     default=_START,
     show_default=True,
     metavar="TIMECODE",
-    help="Of the first frame; 01:00:00;00: drop-frame.",
+    help="Of the first frame; with a semicolon, 01:00:00;00, drop-frame.",
 )
 @click.option("--conformed", type=PATH, help="Folder of conformed media, for --exact (default: beside the EDL).")
 @audio_option

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 from fractions import Fraction
 
@@ -16,7 +17,7 @@ from lxml import etree
 
 from mcsl_core.edl import Clock, Override, Shot
 from mcsl_core.edl.resolve import resolve
-from mcsl_core.errors import DocumentError, InputError
+from mcsl_core.errors import DocumentError, InputError, McslError
 from mcsl_core.interchange.changes import find_changes, with_cameras
 from mcsl_core.interchange.formats import FORMATS
 
@@ -188,17 +189,12 @@ def test_shots_removed_from_fcpxml_close_up_and_are_named(made, exact, folder, d
     assert {n for piece in changes.removed for n in piece} == {n for i in gone for n in cut.shots[i].range}
 
 
-def test_a_shot_removed_from_every_track_of_an_otio():
+def test_a_shot_removed_from_every_track_of_an_otio(tmp_path):
     made = film(Fraction(30000, 1001), 90)
     timeline = by_otio(FORMATS[".otio"].write(made.cut(exact=True)))
     del timeline.tracks[0:3]  # the cameras
     del timeline.video_tracks()[0][1]
-    import tempfile
-    from pathlib import Path
-
-    with tempfile.TemporaryDirectory() as name:
-        text = otio.adapters.write_to_string(timeline, "otio_json").encode()
-        changes = read(made, ".otio", text, Path(name))
+    changes = read(made, ".otio", otio.adapters.write_to_string(timeline, "otio_json").encode(), tmp_path)
     assert (changes.cameras, changes.removed) == ((), (R(30, 60),))
 
 
@@ -266,6 +262,25 @@ def test_what_cannot_be_said_is_named(tmp_path):
         assert what in told
 
 
+def test_a_picture_that_was_moved_is_named(tmp_path):
+    made = film(Fraction(25), 90)
+    for exact, count in ((False, 1), (True, 2)):
+        root = by_lxml(FORMATS[".xml"].write(made.cut(exact=exact)))
+        track = root.findall("./sequence/media/video/track")[-1]
+        for item in track.findall("clipitem")[:count]:
+            effects = root.find(".//filter")
+            if exact:
+                item.append(copy.deepcopy(effects))
+            item.find("./filter/effect/parameter[parameterid='center']/value/horiz").text = "0.1"
+        changes = read(made, ".xml", etree.tostring(root), tmp_path)
+        assert (changes.cameras, changes.removed) == ((), ())
+        told = f"{count} clip{'s' * (count > 1)} whose picture was moved, scaled or turned, the first at 0:00:00.0"
+        assert changes.notes == (told,)
+    root = by_lxml(FORMATS[".fcpxml"].write(made.cut()))
+    etree.SubElement(root.find(".//spine/mc-clip/mc-source"), "adjust-transform", scale="2 2")
+    assert read(made, ".fcpxml", etree.tostring(root), tmp_path).notes == ("adjust-transform of 'cam1' at frame 0",)
+
+
 def test_shots_in_another_order_and_twice_are_named(tmp_path):
     made = film(Fraction(25), 90)
     root = by_lxml(FORMATS[".fcpxml"].write(made.cut()))
@@ -297,6 +312,31 @@ def test_shots_in_another_order_and_twice_are_named(tmp_path):
 def test_what_is_no_document_is_refused(suffix, text, what, tmp_path):
     with pytest.raises(DocumentError, match=what):
         read(film(), suffix, text.encode(), tmp_path)
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+@given(data=st.data())
+@settings(max_examples=60)
+def test_a_damaged_document_is_refused_or_read_and_never_breaks_the_reader(suffix, folder, data):
+    document = bytearray(FORMATS[suffix].write(film(Fraction(30000, 1001), 60).cut()))
+    for _ in range(data.draw(st.integers(1, 4))):
+        at = data.draw(st.integers(0, len(document) - 1))
+        kind = data.draw(st.sampled_from(["cut", "swap", "digit", "word"]))
+        if kind == "cut":
+            del document[at : at + data.draw(st.integers(1, 200))]
+        elif kind == "swap":
+            document[at : at + 1] = data.draw(st.binary(min_size=1, max_size=2))
+        elif kind == "digit":
+            spots = [n for n, byte in enumerate(document) if 48 <= byte <= 57]
+            if spots:
+                document[data.draw(st.sampled_from(spots))] = data.draw(st.sampled_from(b"0159-.e"))
+        else:
+            word = data.draw(st.sampled_from([b"null", b"-1", b"1e999", b"", b"{}", b'"x"', b"99999999999999999999"]))
+            document[at : at + len(word)] = word
+        if not document:
+            break
+    with contextlib.suppress(McslError):
+        read(film(Fraction(30000, 1001), 60), suffix, bytes(document), folder)
 
 
 def test_a_file_that_is_not_there_is_refused(tmp_path):
