@@ -33,6 +33,16 @@ def test_drop_frame_labels_are_those_of_another_program_and_come_back(rate, coun
     assert count_of(text, rate) == (count, True)
 
 
+@pytest.mark.parametrize("rate", DROP)
+def test_drop_frame_at_the_borders_of_minutes(rate):
+    minute = 60 * round(rate)
+    for count in (
+        n * minute - dropped + near for n in range(24) for dropped in range(0, 100, 2) for near in (-1, 0, 1)
+    ):
+        if count >= 0:
+            assert label(count, rate, drop=True) == theirs(count, rate, drop=True)
+
+
 def test_drop_frame_agrees_with_the_clock():
     hour = round(3600 * Fraction(30000, 1001))
     assert label(hour, Fraction(30000, 1001), drop=True) == "01:00:00;00"
