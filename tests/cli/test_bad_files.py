@@ -66,7 +66,7 @@ CASES = [
     for param in command.params
     if is_path(param) and (name, param.name) not in {("demo", "folder"), ("simulate", "out"), ("plugin new", "out")}
 ]
-SUFFIX = {"preset": ".json", "blend": ".blend", "manual": ".csv", "gaze": ".csv", "study": ".csv"}
+SUFFIX = {"preset": ".json", "document": ".blend", "manual": ".csv", "gaze": ".csv", "study": ".csv"}
 
 
 def arguments(name: str, bad: str, path: Path, folder: Path) -> list[str]:
@@ -77,11 +77,12 @@ def arguments(name: str, bad: str, path: Path, folder: Path) -> list[str]:
     said = name.split()
     for param in command.params:
         needed = param.required or param.name in (bad, "edl")
-        if bad == "study" and param.name == "edl":
+        if param.name == "edl" and (bad == "study" or (name == "pull" and path.suffix == ".blend")):
             continue
         if not needed:
             continue
-        value = path if param.name == bad else folder / "new.mp4" if param.name == "out" else good
+        others = {"out": folder / "new.mp4", "document": folder / "cut.otio"}
+        value = path if param.name == bad else others.get(param.name, good)
         said += [str(value)] if isinstance(param, click.Argument) else [param.opts[-1], str(value)]
     return said
 
@@ -106,6 +107,21 @@ def test_no_command_shows_a_traceback(
         assert code != 0
     if before is not None and param not in OUTPUTS:
         assert path.read_bytes() == before
+
+
+@pytest.mark.skipif(os.name == "nt", reason="pipes and devices are files elsewhere")
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("suffix", [".fcpxml", ".xml", ".otio", ".edl"])
+def test_no_document_of_another_editor_shows_a_traceback(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], suffix: str, kind: str
+) -> None:
+    path = tmp_path / f"cut{suffix}"
+    KINDS[kind](path)
+    assert main(arguments("pull", "document", path, tmp_path)) == 3
+    said = capsys.readouterr().err
+    assert "Traceback" not in said
+    assert "internal error" not in said
+    assert str(path) in said
 
 
 @pytest.mark.parametrize(("name", "param"), CASES, ids=lambda value: str(value))

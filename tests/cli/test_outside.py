@@ -43,6 +43,8 @@ def commands(edl: Path, out: Path):
     yield "look", edl
     yield "look", edl, "--no-fill"
     yield "conform", edl, "-o", out / "conformed"
+    yield "export", edl, "-o", out / "cut.otio"
+    yield "pull", out / "cut.otio", "--edl", edl
     yield "report", edl, "-o", out / "page.html"
     yield "evaluate", edl, "--json", out / "figures.json"
     yield "timeline", edl, "-o", out / "edit.blend"
