@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-from fractions import Fraction
 from math import ceil
 from pathlib import Path
 
@@ -17,7 +16,7 @@ from mcsl_core.delivery.reuse import chunks_there
 from mcsl_core.delivery.source import ProgrammeSource
 from mcsl_core.edl import Edl
 from mcsl_core.errors import InputError, writing
-from mcsl_core.media.concatenation import Piece, concatenate
+from mcsl_core.media.appending import append
 from mcsl_core.media.probing import probe
 from mcsl_core.progress import Progress
 from mcsl_core.recording.footage import footage_of
@@ -33,7 +32,6 @@ class Conformed:
     """What was conformed of a programme: chunks that tile it, and its sound; None where it has none."""
 
     chunks: tuple[Path, ...]
-    begins: tuple[int, ...]
     sound: Path | None
 
 
@@ -60,7 +58,7 @@ def conformed_of(source: ProgrammeSource, folder: Path, edl_path: Path) -> Confo
         also = "" if source.audio_from is None else f" --audio {source.audio_from}"
         remedy = f"Run `mcsl conform {edl_path}{also}` first"
         raise InputError(f"lacks the sound of {source.sound_camera}", where=str(folder), remedy=remedy)
-    return Conformed(tuple(folder / chunk.name for chunk in best), tuple(chunk.range.start for chunk in best), sound)
+    return Conformed(tuple(folder / chunk.name for chunk in best), sound)
 
 
 def _sound(source: ProgrammeSource, folder: Path) -> Path | None:
@@ -81,13 +79,10 @@ def sound_path(out: Path) -> Path:
     return out.with_name(f"{out.stem}{MARK}.wav")
 
 
-def write_programme(conformed: Conformed, edl: Edl, path: Path, progress: Progress) -> None:
+def write_programme(conformed: Conformed, path: Path, progress: Progress) -> None:
     """Joins the chunks to one video at ``path``; nothing is coded again."""
-    progress.stage("Joining the conformed pictures", len(conformed.chunks), "chunks")
-    begins = (Fraction(begin) / edl.rate for begin in conformed.begins)
-    pieces = [Piece(chunk, at_s) for chunk, at_s in zip(conformed.chunks, begins, strict=True)]
-    for done in concatenate(pieces, path):
-        progress.advance(done)
+    progress.stage("Joining the conformed pictures")
+    append(conformed.chunks, path)
     with path.open("rb+") as stream:  # a power cut must not leave a name without its content
         os.fsync(stream.fileno())
 

@@ -113,7 +113,7 @@ def _conformed(
     pictures = _claimed(media.programme_path(out), source.edl, edl_path, settings)
     heard = None if found.sound is None else _claimed(media.sound_path(out), source.edl, edl_path, settings)
     with pictures.writing() as part:
-        media.write_programme(found, source.edl, part, progress)
+        media.write_programme(found, part, progress)
     written = [pictures.path]
     sound = None
     if heard is not None:
