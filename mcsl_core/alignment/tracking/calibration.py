@@ -233,8 +233,8 @@ class Calibration:
     def slopes(self, numbers: Array) -> Array:
         """(2 N, P): the derivatives of `off` by each of the P numbers.
 
-        A camera in a pose depends on its own seven numbers, the pose's and the first four alone. Differences of all by
-        all, whose cost grows with the square of the poses, took a twelfth of an analysis of two.
+        A camera in a pose depends on its own seven numbers, the pose's and the first four alone. Finding them by trying each number
+        takes five times as long.
         """
         lamp, views = self.lamp(numbers), self.views(numbers)
         counted, rows = list(self._counted()), 2 * len(self._points)
