@@ -233,8 +233,8 @@ class Calibration:
     def slopes(self, numbers: Array) -> Array:
         """(2 N, P): the derivatives of `off` by each of the P numbers.
 
-        A camera in a pose depends on its own seven numbers, the pose's and the first four alone. Finding them by trying each number
-        takes five times as long.
+        A camera in a pose depends on its own seven numbers, the pose's and the first four alone. Finding them by
+        trying each number takes five times as long.
         """
         lamp, views = self.lamp(numbers), self.views(numbers)
         counted, rows = list(self._counted()), 2 * len(self._points)
