@@ -167,5 +167,5 @@ def serve() -> None:
 
 
 def _end_with_parent() -> None:
-    sys.stdin.buffer.read(1)
+    os.read(sys.stdin.fileno(), 1)  # not of the buffer, whose lock the interpreter's end would wait for
     os._exit(1)

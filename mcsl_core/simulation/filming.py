@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import threading
 from collections.abc import Callable
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
@@ -99,7 +100,8 @@ class Film:
 
     def _is_worth_processes(self, counts: tuple[int, ...]) -> bool:
         width, height = self.scene.scenario.size
-        return len(counts) > 1 and (os.cpu_count() or 1) > 1 and min(counts) * width * height > WORTH_A_PROCESS
+        can = bool(sys.executable) and (os.cpu_count() or 1) > 1  # Python inside a program may have none to start
+        return can and len(counts) > 1 and min(counts) * width * height > WORTH_A_PROCESS
 
     def camera(self, camera: int, told: Callable[[int], None]) -> NDArray:
         """Writes one camera's file; ``told`` is called with the number of frames so far, and may raise.
