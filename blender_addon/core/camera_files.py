@@ -92,6 +92,11 @@ def conform_command(mcsl: str, edl: str) -> list[str]:
     return [mcsl, "--progress", "json", "conform", edl]
 
 
+def export_command(mcsl: str, edl: str, out: str, *, exact: bool) -> list[str]:
+    """`mcsl export` for a job; ``out`` is a document for another editor."""
+    return [mcsl, "--progress", "json", "export", edl, "-o", out, "--exact" if exact else "--angles"]
+
+
 def plugins_command(mcsl: str) -> list[str]:
     """`mcsl plugins --json` for a job."""
     return [mcsl, "plugins", "--json"]

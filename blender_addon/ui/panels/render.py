@@ -6,7 +6,8 @@ from __future__ import annotations
 import bpy  # pyright: ignore[reportMissingImports]
 
 from ..operators.recording import work_of
-from .drawing import TimelinePanel
+from ..translations.lookup import told
+from .drawing import TimelinePanel, draw_job, draw_message
 
 
 class MCSL_PT_render(TimelinePanel, bpy.types.Panel):
@@ -25,6 +26,9 @@ class MCSL_PT_render(TimelinePanel, bpy.types.Panel):
         row = layout.row(align=True)
         row.operator("mcsl.render", icon="RENDER_ANIMATION")
         row.operator("mcsl.apply_preset", icon="OUTPUT")
+        if not draw_job(layout, told("Exporting")):
+            layout.operator("mcsl.export", icon="EXPORT")
+        draw_message(layout, told("Exporting"))
 
 
 CLASSES = (MCSL_PT_render,)

@@ -192,6 +192,20 @@ JAPANESE: dict[str, str] = {
     "copied: {command}": "コピーしました: {command}",
     "Analysis": "解析",
     "Conforming": "コンフォーム中",
+    "Exporting": "書き出し中",
+    "Export for Another Editor...": "別の編集ソフト用に書き出す...",
+    "Write the cut for another editor; `mcsl pull` reads back what is changed there": (
+        "編集結果を別の編集ソフト用に書き出します。そこでの変更は `mcsl pull` で読み戻せます"
+    ),
+    "Format": "形式",
+    "For Final Cut Pro and DaVinci Resolve": "Final Cut Pro と DaVinci Resolve 用",
+    "For Premiere Pro and DaVinci Resolve": "Premiere Pro と DaVinci Resolve 用",
+    "For DaVinci Resolve, Premiere Pro and others": "DaVinci Resolve、Premiere Pro など",
+    "For everything else: one track of pictures": "そのほかのソフト用。映像トラックは一つです",
+    "Exact Pictures": "正確な映像",
+    "The conformed programme, a clip a shot; else the cameras' own files, roughly aligned": (
+        "コンフォーム済みの番組をショットごとのクリップにします。オフなら各カメラの元のファイルを大まかに位置合わせして使います"
+    ),
     "starting": "開始しています",
     "stopping": "止めています",
     "putting it into the timeline": "タイムラインに置いています",

@@ -13,7 +13,8 @@ from blender_addon.core import presets
 from blender_addon.ui.translations.japanese import JAPANESE
 
 ADDON = Path(blender_addon.__file__).parent
-SAME = {"mcsl", "EDL", "X", "Y", "", "H.264", "H.265", "ProRes 422 HQ", "FFV1"}  # names, the same in every language
+NAMES = {"FCPXML", "Final Cut Pro 7 XML", "OpenTimelineIO", "EDL (CMX3600)"}
+SAME = NAMES | {"mcsl", "EDL", "X", "Y", "", "H.264", "H.265", "ProRes 422 HQ", "FFV1"}  # the same in every language
 
 
 def texts_of(tree: ast.Module) -> set[str]:
