@@ -15,6 +15,7 @@ from mcsl_core.errors import UsageError
 from .model import Clip, Marker, Sequence
 from .timecode import label, may_drop, nominal
 
+PROGRAMME_REEL = "MCSL"  # of what is conformed
 _REEL = 8
 _COLOURS = {"movement": "YELLOW", "pose": "BLUE", "weak": "RED", "shot": "GREEN", "override": "MAGENTA"}
 
@@ -37,7 +38,7 @@ def write_cmx(cut: Sequence) -> bytes:
     width = max(3, len(str(len(events))))
     markers = list(reversed(cut.markers))
     for number, (_, track, clip) in enumerate(sorted(events, key=lambda e: (e[0], e[1] != "V")), start=1):
-        reel = "MCSL" if cut.programme is not None else reels[clip.camera]
+        reel = PROGRAMME_REEL if cut.programme is not None else reels[clip.camera]
         lines += ["", f"{number:0{width}d}  {reel:<8} {track:<5} C        {_codes(cut, clip)}"]
         lines += [f"* FROM CLIP NAME: {_line(clip.camera)}", f"* SOURCE FILE: {_line(str(clip.medium.path))}"]
         if number == 1:
@@ -53,7 +54,7 @@ def reels_of(cameras: list[str]) -> dict[str, str]:
     for camera in cameras:
         plain = re.sub("[^A-Z0-9_]", "", camera.upper())[:_REEL] or "CAM"
         number, reel = 1, plain
-        while reel in ("AX", "BL", "MCSL", *reels.values()):
+        while reel in ("AX", "BL", PROGRAMME_REEL, *reels.values()):
             number += 1
             reel = f"{plain[: _REEL - len(str(number))]}{number}"
         reels[camera] = reel

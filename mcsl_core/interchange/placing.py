@@ -10,7 +10,7 @@ from attrs import frozen
 
 from mcsl_core.timing import FrameRange
 
-from .cmx_writing import reels_of
+from .cmx_writing import PROGRAMME_REEL, reels_of
 from .conformed import MARK
 from .found import FoundClip
 from .model import Angle, Clip, Medium, Sequence
@@ -57,7 +57,9 @@ class Placer:
 
     def is_conformed(self, clip: FoundClip) -> bool:
         """Whether a clip is of the conformed programme: its file bears the name's mark and is no camera's."""
-        return bool(clip.path) and _stem(clip.path).endswith(MARK) and self._medium(clip) is None
+        if not clip.path and clip.reel == PROGRAMME_REEL:
+            return True
+        return _stem(clip.path or clip.name).endswith(MARK) and self._medium(clip) is None
 
     def place(self, clip: FoundClip) -> Placed | None:
         """Where the clip stands in the programme; None where it is of other media."""
@@ -65,15 +67,12 @@ class Placer:
         if clip.angle is not None and not clip.path:  # of the multicam clip, whose time is the programme's
             camera = chosen or self._cameras.get(clip.name)
             return None if camera is None else Placed(self._programme_frame(clip), camera)
-        medium = self._medium(clip)
-        if medium is not None:
-            camera = self._owner[medium]
-            return Placed(self._frame_of(clip, medium), chosen or camera)
-        if _stem(clip.path or clip.name).endswith(MARK):
+        if self.is_conformed(clip):
             start = self._programme_frame(clip)
             named = chosen or self._cameras.get(clip.name)
             return Placed(start, named or self._camera_at(start), conformed=True)
-        return None
+        medium = self._medium(clip)
+        return None if medium is None else Placed(self._frame_of(clip, medium), chosen or self._owner[medium])
 
     def _programme_frame(self, clip: FoundClip) -> int:
         return round((clip.source_s - (clip.zero_s or 0)) * self._cut.rate)

@@ -240,6 +240,23 @@ def test_what_an_editor_relinks_elsewhere_is_known_by_its_name(tmp_path):
     )
 
 
+@pytest.mark.parametrize("exact", [False, True])
+@pytest.mark.parametrize("named", ["* FROM CLIP NAME: {camera}", "* FROM CLIP NAME: {file}", ""])
+def test_a_list_that_lost_its_files_is_known_by_reels_and_names(exact, named, tmp_path):
+    """As editors write lists: a clip's file name in a comment, or nothing but the reel."""
+    files = {"cam2": [facts_of("2/cam2.mp4", Fraction(25), 90, timecode="10:00:00:00")]}
+    made = film(Fraction(25), 90, files=files)
+    lines = []
+    for line in FORMATS[".edl"].write(made.cut(exact=exact, sound=None)).decode().splitlines():
+        if line.startswith("* FROM CLIP NAME: "):
+            camera = line.removeprefix("* FROM CLIP NAME: ")
+            lines.append(named.format(camera=camera, file="cut.programme.mp4" if exact else f"{camera}.mp4"))
+        elif not line.startswith(("* SOURCE FILE", "* MCSL CUT", "* LOC")):
+            lines.append(line)
+    changes = read(made, ".edl", "\n".join(lines).encode(), tmp_path)
+    assert (changes.cameras, changes.removed, changes.notes) == ((), (), ())
+
+
 def test_what_cannot_be_said_is_named(tmp_path):
     made = film(Fraction(25), 90)
     timeline = by_otio(FORMATS[".otio"].write(made.cut()))
