@@ -11,9 +11,11 @@ from fractions import Fraction
 from pathlib import Path
 from urllib.parse import unquote_to_bytes, urlsplit
 
-import opentimelineio as otio
 import pycmx
+import pytest
 from lxml import etree
+
+otio = pytest.importorskip("opentimelineio", reason="opentimelineio has no wheel for this Python")
 
 Shown = list[tuple[int, int, str, Fraction]]  # (frame, how many, file, picture of the file from its first)
 

@@ -7,12 +7,11 @@ import copy
 from fractions import Fraction
 
 import attrs
-import opentimelineio as otio
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from interchange_cuts import R, facts_of, film, films
-from interchange_readers import by_lxml, by_otio, seconds
+from interchange_readers import by_lxml, by_otio, otio, seconds
 from lxml import etree
 
 from mcsl_core.edl import Clock, Override, Shot

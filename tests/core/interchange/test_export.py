@@ -11,11 +11,10 @@ from pathlib import Path
 
 import attrs
 import av
-import opentimelineio as otio
 import pytest
 from click.testing import CliRunner
 from coded_video import SIZE, read_number
-from interchange_readers import by_fcp_adapter, by_lxml, by_otio, expanded, of_multicam, of_track, seconds
+from interchange_readers import by_fcp_adapter, by_lxml, by_otio, expanded, of_multicam, of_track, otio, seconds
 from lxml import etree
 from two_cameras import EXPECTED, FRAMES, make, shown, write_sources
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from interchange_cuts import RATES
-from opentimelineio import opentime
+from interchange_readers import otio
 
 from mcsl_core.errors import UsageError
 from mcsl_core.interchange.timecode import count_of, is_broadcast, label, may_drop
@@ -15,7 +15,7 @@ DROP = [Fraction(30000, 1001), Fraction(60000, 1001)]
 
 
 def theirs(count, rate, *, drop):
-    return opentime.to_timecode(opentime.RationalTime(count, float(rate)), float(rate), drop)
+    return otio.opentime.to_timecode(otio.opentime.RationalTime(count, float(rate)), float(rate), drop)
 
 
 @given(st.sampled_from(RATES), st.integers(0, 23 * 3600 * 60))

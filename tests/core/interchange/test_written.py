@@ -4,7 +4,6 @@ from fractions import Fraction
 from itertools import product
 
 import attrs
-import opentimelineio as otio
 import pytest
 from apple_structure import faults_of
 from hypothesis import given, settings
@@ -20,6 +19,7 @@ from interchange_readers import (
     of_items,
     of_multicam,
     of_track,
+    otio,
     seconds,
 )
 
