@@ -6,7 +6,6 @@ import contextlib
 import copy
 from fractions import Fraction
 
-import attrs
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
@@ -14,7 +13,7 @@ from interchange_cuts import R, facts_of, film, films
 from interchange_readers import by_lxml, by_otio, otio, seconds
 from lxml import etree
 
-from mcsl_core.edl import Clock, Override, Shot
+from mcsl_core.edl import Clock, Shot
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.errors import DocumentError, InputError, McslError
 from mcsl_core.interchange.changes import find_changes, with_cameras
@@ -359,43 +358,6 @@ def test_a_file_that_is_not_there_is_refused(tmp_path):
     for form in FORMATS.values():
         with pytest.raises(InputError, match="does not exist"):
             form.read(tmp_path / "none.fcpxml", Fraction(25))
-
-
-# ------------------------------------------------------------------------------------------------- the overrides
-
-
-def test_other_decisions_stay_and_what_is_automatic_again_is_taken_back():
-    edl = film(
-        overrides=(Override(R(10, 90), camera="cam3", fill=False, note="n"), Override(R(0, 5), colour=False))
-    ).edl
-    new = with_cameras(edl, [(R(0, 33), "cam1"), (R(40, 50), "cam1")])
-    assert new.overrides == (
-        Override(R(10, 33), fill=False, note="n"),
-        Override(R(33, 40), camera="cam3", fill=False, note="n"),
-        Override(R(40, 50), fill=False, note="n"),
-        Override(R(50, 90), camera="cam3", fill=False, note="n"),
-        Override(R(0, 5), colour=False),
-        Override(R(40, 50), camera="cam1"),
-    )
-
-
-def test_a_stretch_beside_one_that_says_the_same_makes_it_longer():
-    edl = film(overrides=(Override(R(40, 50), camera="cam1"),)).edl
-    assert with_cameras(edl, [(R(50, 60), "cam1")]).overrides == (Override(R(40, 60), camera="cam1"),)
-
-
-@given(films(), st.data())
-@settings(max_examples=60)
-def test_overrides_show_just_what_is_asked_for(made, data):
-    edl, names = made.edl, [camera.name for camera in made.edl.cameras]
-    start = data.draw(st.integers(0, edl.frames - 1))
-    stop = data.draw(st.integers(start + 1, edl.frames))
-    camera = data.draw(st.sampled_from(names))
-    new = with_cameras(edl, [(R(start, stop), camera)])
-    expected = shown(edl)
-    expected[start:stop] = [camera] * (stop - start)
-    assert shown(new) == expected
-    assert attrs.evolve(new, overrides=edl.overrides) == edl
 
 
 def test_a_shot_list_of_thousands_is_compared_in_time_that_grows_with_it(tmp_path):
