@@ -1,9 +1,10 @@
-"""What the timeline of a long day costs: 2,000 shots, 5 cameras, 20 movements followed, 5,000 centering keys.
+"""What a timeline costs: 430 shots as of an operation and 2,000 as of a long day, 5 cameras, 5,000 centering keys.
 
     python -m benchmarks.timeline FOLDER [BLENDER]       writes results/timeline.md
 
-Building and reading back are timed inside one Blender process, in seconds of its CPU, against what Blender itself takes
-for as many bare Multicam strips: the yardstick of every ratio. Best of three, since a machine has other things to do.
+Building, reading back and cutting by key are timed inside one Blender process, in seconds of its CPU, against what
+Blender itself takes for as many bare Multicam strips: the yardstick of every ratio. Best of three, since a machine has
+other things to do.
 The media are real: one file of 120,000 small pictures (64x36), which all five cameras play.
 """
 
@@ -31,24 +32,32 @@ from mcsl_core.media.writing import Encoding, VideoWriter
 from mcsl_core.timing import FrameRange
 
 RESULTS = Path(__file__).parent / "results"
-FRAMES, SHOTS, CAMERAS, MOVEMENTS, KEYS, OVERRIDES = 120_000, 2_000, 5, 20, 5_000, 200
+FRAMES, CAMERAS, MOVEMENTS, KEYS = 120_000, 5, 20, 5_000
+SHOTS, OVERRIDDEN = (430, 2_000), 10  # one timeline each; every tenth shot is overridden
+CUTS, EXACT = 15, 3_000  # cuts by key in each round, and frames of each conformed file
 MOVES, VIEW_EVERY = 150, 2  # frames of a movement, and between its views
 RATE, SIZE = Fraction(30), (64, 36)
-REACH = {"build": 10.0, "read": 1.0}  # seconds
+REACH = {"build": 10.0, "read": 1.0, "cut": 0.1}  # seconds
 
 INSIDE = """
-import json, os, sys, time
+import json, os, random, statistics, sys, time
 request = json.load(open(sys.argv[-1]))
 sys.path.extend(request["paths"])
 import bpy
+import blender_addon
 from pathlib import Path
 from mcsl_core.edl import load
+from mcsl_core.edl.resolve import resolve
+from mcsl_core.blender.messages import ConformedPiece
+from mcsl_core.timing import FrameRange
 from blender_addon.core.multicam import overridden
 from blender_addon.core.read_overrides import read_edl
 from blender_addon.core.strip_plan import make_plan
 from blender_addon.sequencer.build import build_timeline
 from blender_addon.sequencer.compat import ends, new_effect, use_sequencer_scene
+from blender_addon.sequencer import conformed, scene_properties
 from blender_addon.sequencer.read import read_timeline
+from blender_addon.ui import refresh
 
 def timed(work):
     wall, cpu = time.perf_counter(), time.process_time()
@@ -73,8 +82,28 @@ def bare():
     _, *inspect_s = timed(inspect)
     return make_s, inspect_s
 
+def cuts(scene, chance):
+    # each with what follows 0.4 s later in a window: there the timeline is read again
+    found = []
+    while len(found) < request["cuts"]:
+        scene.frame_set(chance.randrange(1, scene.frame_end))
+        press = lambda: bpy.ops.mcsl.switch_camera("EXEC_DEFAULT", True, number=chance.randint(1, 5))
+        done, *press_s = timed(press)
+        if done == {"FINISHED"}:
+            _, *quiet_s = timed(refresh._quiet)
+            found.append((press_s, quiet_s))
+    return [[statistics.median(times) for times in zip(*part)] for part in zip(*found)]
+
+def exact(scene, edl):
+    n = request["exact"]
+    starts = range(0, edl.frames - n + 1, n)
+    pieces = [ConformedPiece(range=FrameRange(a, a + n), path=f"{a:07d}-exact.mp4") for a in starts]
+    for _ in conformed.insert(scene, edl, pieces, None, path.parent): pass
+
 path = Path(request["edl"])
 rounds = []
+blender_addon.register()
+chance = random.Random(3)
 for _ in range(request["rounds"]):
     make_s, inspect_s = bare()
     scene = fresh()
@@ -84,34 +113,43 @@ for _ in range(request["rounds"]):
     state, *found_s = timed(lambda: read_timeline(scene))
     new, *read_s = timed(lambda: read_edl(edl, state))
     assert new == edl, "an untouched timeline must decide nothing"
-    _, *colour_s = timed(lambda: overridden(new, state.strips))
+    _, *colour_s = timed(lambda: overridden(resolve(new), state.strips))
+    strips = len(scene.sequence_editor.strips)
+    scene_properties.set_ids(scene, edl, path, path.parent)
+    bpy.ops.wm.save_as_mainfile(filepath=str(path.with_suffix(".blend")))
+    refresh.refresh_timeline(scene)
+    press_s, quiet_s = cuts(scene, chance)
+    exact(scene, edl)
+    refresh.refresh_timeline(scene)
+    exact_press_s, exact_quiet_s = cuts(scene, chance)
     rounds.append({"bare": make_s, "inspect": inspect_s, "load": load_s, "plan": plan_s, "strips": strips_s,
-                   "found": found_s, "decide": read_s, "colour": colour_s})
-json.dump({"version": bpy.app.version_string, "rounds": rounds, "strips": len(scene.sequence_editor.strips)},
+                   "found": found_s, "decide": read_s, "colour": colour_s, "press": press_s, "quiet": quiet_s,
+                   "exact_press": exact_press_s, "exact_quiet": exact_quiet_s})
+json.dump({"version": bpy.app.version_string, "rounds": rounds, "strips": strips},
           open(request["answer"], "w"))
 sys.stdout.flush()
 os._exit(0)
 """
 
 
-def media(folder: Path) -> Path:
-    """The file that every camera plays, made when it is not there yet."""
-    path = folder / "camera.mp4"
+def media(folder: Path, frames: int, name: str) -> Path:
+    """A film of that many pictures, made when it is not there yet."""
+    path = folder / name
     if not path.exists():
-        part = folder / "camera.part.mp4"
+        part = folder / f"part-{name}"
         encoding = Encoding(options={"preset": "ultrafast", "crf": "40"})
         picture = np.full((SIZE[1], SIZE[0], 3), 90, np.uint8)
         with VideoWriter(part, size=SIZE, rate=RATE, encoding=encoding, keyframe_interval=250) as writer:
-            for _ in range(FRAMES):
+            for _ in range(frames):
                 writer.write(picture)
         part.rename(path)
     return path
 
 
-def long_day(name: str) -> Edl:
-    """Cuts, keys and overrides at random places, the same in every run."""
+def long_day(name: str, count: int) -> Edl:
+    """``count`` shots: cuts, keys and overrides at random places, the same in every run."""
     chance = random.Random(1)
-    cuts = [0, *sorted(chance.sample(range(1, FRAMES), SHOTS - 1)), FRAMES]
+    cuts = [0, *sorted(chance.sample(range(1, FRAMES), count - 1)), FRAMES]
     cameras = [f"cam{n}" for n in range(1, CAMERAS + 1)]
     shots = tuple(
         Shot(FrameRange(a, b), cameras[i % CAMERAS], 0.9, "sees most of the field")
@@ -132,7 +170,7 @@ def long_day(name: str) -> Edl:
         overrides=tuple(
             Override(shot.range, camera=cameras[(i + 2) % CAMERAS])
             for i, shot in enumerate(shots)
-            if i % (SHOTS // OVERRIDES) == 5
+            if i % OVERRIDDEN == 5
         ),
         centering=tuple(
             (i * FRAMES // KEYS, chance.randint(-90, 90) / 10, chance.randint(-90, 90) / 10) for i in range(KEYS)
@@ -159,6 +197,7 @@ def run(command: list[str], folder: Path, edl: Edl, rounds: int) -> dict:
         order, answer, script = work / "order.json", work / "answer.json", work / "inside.py"
         script.write_text(INSIDE, encoding="utf-8")
         request = {"edl": str(path), "paths": search_paths(), "rounds": rounds, "answer": str(answer)}
+        request |= {"cuts": CUTS, "exact": EXACT}
         order.write_text(json.dumps({**request, "shots": [[s.range.start, s.range.stop] for s in edl.shots]}))
         environment = {**os.environ, "BLENDER_USER_RESOURCES": str(Path(name) / "user")}
         subprocess.run(
@@ -167,23 +206,30 @@ def run(command: list[str], folder: Path, edl: Edl, rounds: int) -> dict:
         return json.loads(answer.read_text())
 
 
-def table(found: dict) -> str:
+def table(found: dict, count: int) -> str:
     """Seconds of CPU (and of the clock), the best round, and the ratio to the yardstick."""
     best = {part: min((r[part] for r in found["rounds"]), key=lambda times: times[0]) for part in found["rounds"][0]}
     summed = {
         "build": [sum(best[p][i] for p in ("load", "plan", "strips")) for i in (0, 1)],
         "read": [sum(best[p][i] for p in ("load", "found", "decide")) for i in (0, 1)],
+        "cut": [best["press"][i] + best["quiet"][i] for i in (0, 1)],
+        "exact": [best["exact_press"][i] + best["exact_quiet"][i] for i in (0, 1)],
     }
     rows = [
         ("**build**: EDL read, planned, strips made", summed["build"], "bare", f"{REACH['build']:g} s"),
         ("  of it: reading and checking the EDL", best["load"], "bare", ""),
         ("  of it: planning", best["plan"], "bare", ""),
         ("  of it: strips, keys, five movies split and keyed at movements", best["strips"], "bare", ""),
-        (f"yardstick: {SHOTS:,} bare Multicam strips", best["bare"], "bare", ""),
+        (f"yardstick: {count:,} bare Multicam strips", best["bare"], "bare", ""),
         ("**read back**: EDL read, strips found, decided", summed["read"], "inspect", f"{REACH['read']:g} s"),
         ("  of it: finding strips and transforms", best["found"], "inspect", ""),
         ("  of it: what was decided", best["decide"], "inspect", ""),
         ("colours of the overrides, after a change", best["colour"], "inspect", ""),
+        ("**a cut by key**: what the key does and what follows it", summed["cut"], "inspect", f"{REACH['cut']:g} s"),
+        ("  of it: the key, until the picture stands", best["press"], "inspect", ""),
+        ("  of it: read again when it is quiet", best["quiet"], "inspect", ""),
+        ("**a cut by key, exact pictures in place**", summed["exact"], "inspect", f"{REACH['cut']:g} s"),
+        ("  of it: the key", best["exact_press"], "inspect", ""),
         ("yardstick: ends, channel and source of each strip", best["inspect"], "inspect", ""),
     ]
     lines = ["| what | CPU s | clock s | times the yardstick | to reach |", "|---|---|---|---|---|"]
@@ -198,18 +244,27 @@ def main() -> None:
     desk = find(sys.argv[2] if len(sys.argv) > 2 else None)
     if desk.kind != "module":
         raise SystemExit("name a Python with bpy: a Blender binary takes its script another way")
-    edl = long_day(media(folder).name)
-    found = run([*desk.command], folder, edl, rounds=3)
-    text = f"""# The timeline of a long day
+    film, exact = media(folder, FRAMES, "camera.mp4"), media(folder, EXACT, "exact.mp4")
+    for start in range(0, FRAMES, EXACT):
+        if not (link := folder / f"{start:07d}-exact.mp4").exists():
+            os.link(exact, link)
+    found = {count: run([*desk.command], folder, long_day(film.name, count), rounds=3) for count in SHOTS}
+    parts = []
+    for count, made in found.items():
+        stand = f"{count // OVERRIDDEN:,} overrides; {made['strips']:,} strips stand in the sequencer."
+        parts.append(f"## {count:,} shots\n\n{stand}\n\n{table(made, count)}")
+    text = f"""# The timeline of an operation and of a long day
 
-Made by `python -m benchmarks.timeline FOLDER` on {date.today()}, Blender {found["version"]} as a module,
-{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}. Best of three rounds in one process.
+Made by `python -m benchmarks.timeline FOLDER` on {date.today()}, Blender {found[SHOTS[0]]["version"]} as a module,
+{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}. Best of three rounds in one process;
+of cuts by key the median of {CUTS} in a round.
 
-{SHOTS:,} shots, {CAMERAS} cameras, {MOVEMENTS} movements followed through {MOVES} frames each, {KEYS:,} centering keys,
-{OVERRIDES} overrides, {FRAMES:,} frames; {found["strips"]:,} strips stand in the sequencer.
-Untouched, it gives back the same EDL: each round checks.
+{CAMERAS} cameras, {MOVEMENTS} movements followed through {MOVES} frames each, {KEYS:,} centering keys,
+{FRAMES:,} frames.
+Untouched, a timeline gives back the same EDL: each round checks. Exact pictures: {FRAMES // EXACT} conformed files over
+everything.
 
-{table(found)}
+{(chr(10) * 2).join(parts)}
 """
     RESULTS.mkdir(exist_ok=True)
     (RESULTS / "timeline.md").write_text(text, encoding="utf-8")

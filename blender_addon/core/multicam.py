@@ -8,16 +8,16 @@ decides. So a key works while the programme plays, as Blender's own multicam key
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
+import attrs
 from attrs import frozen
 
-from mcsl_core.edl import Edl
-from mcsl_core.edl.resolve import resolve
+from mcsl_core.edl.resolve import Decisions
 from mcsl_core.errors import InputError
 
 from .corrections import FoundCamera
-from .read_overrides import FoundStrip, SequencerState
+from .read_overrides import FoundStrip, SequencerState, in_order
 
 
 @frozen
@@ -88,9 +88,8 @@ def _nearest(strips: Sequence[FoundCamera], frame: int) -> FoundCamera:
     return min(strips, key=lambda c: max(c.start - frame, frame - c.stop + 1, 0))
 
 
-def overridden(edl: Edl, strips: Iterable[FoundStrip]) -> frozenset[str]:
-    """The names of the strips over which an override of ``edl`` holds: the EDL as the timeline decides it now."""
-    decisions = resolve(edl)
+def overridden(decisions: Decisions, strips: Iterable[FoundStrip]) -> frozenset[str]:
+    """The names of the strips over which an override holds: ``decisions`` are those that the timeline makes now."""
     starts = [piece.start for piece, _ in decisions]
     names = []
     for strip in strips:
@@ -101,9 +100,28 @@ def overridden(edl: Edl, strips: Iterable[FoundStrip]) -> frozenset[str]:
     return frozenset(names)
 
 
+def replaced(state: SequencerState, was: FoundStrip, parts: Sequence[FoundStrip]) -> SequencerState | None:
+    """``state`` with ``parts`` in place of the strip ``was``; None where there is no such strip in it."""
+    if was not in state.strips:
+        return None
+    at = state.strips.index(was)
+    return attrs.evolve(state, strips=in_order((*state.strips[:at], *parts, *state.strips[at + 1 :])))
+
+
+def with_names(state: SequencerState, renamed: Mapping[str, str]) -> SequencerState:
+    """``state`` after strips were given other names: old -> new."""
+    if not renamed:
+        return state
+    strips = (attrs.evolve(s, name=renamed[s.name]) if s.name in renamed else s for s in state.strips)
+    return attrs.evolve(state, strips=in_order(strips))
+
+
 def shown_cameras(state: SequencerState) -> dict[str, str]:
     """What each strip shows where it begins, by the strips' names; those that show no camera are left out."""
     on: dict[int, list[FoundCamera]] = {}
     for camera in state.cameras:
         on.setdefault(camera.channel, []).append(camera)
-    return {s.name: _nearest(on[s.source], s.start).camera for s in state.strips if s.source in on}
+    alone = {channel: cameras[0].camera for channel, cameras in on.items() if len({c.camera for c in cameras}) == 1}
+    return {
+        s.name: alone.get(s.source) or _nearest(on[s.source], s.start).camera for s in state.strips if s.source in on
+    }

@@ -74,7 +74,7 @@ class SequencerState:
     Attributes
     ----------
     strips, cameras
-        Multicam strips on every channel, and camera strips.
+        Multicam strips on every channel, `in_order`, and camera strips.
     automatic
         The automatic choice that the timeline was built from; None where it is not known: then the EDL's holds.
     look
@@ -98,6 +98,11 @@ class SequencerState:
     tracks: str = ""
 
 
+def in_order(strips: Iterable[FoundStrip]) -> tuple[FoundStrip, ...]:
+    """By time: Blender keeps them in the order in which they came to be."""
+    return tuple(sorted(strips, key=lambda strip: (strip.start, strip.channel)))
+
+
 def read_edl(edl: Edl, state: SequencerState) -> Edl:
     """``edl`` with the editor's decisions as the sequencer shows them; equal to it where nothing was decided anew.
 
@@ -108,9 +113,14 @@ def read_edl(edl: Edl, state: SequencerState) -> Edl:
     """
     shots = (FoundShot(s.id, s.name, s.start, s.stop) for s in state.strips if s.id)
     check_times(edl, state.scene, state.films, shots, state.tracks)
-    edl = attrs.evolve(edl, look=attrs.evolve(edl.look, **dict(state.look)))
-    edl = attrs.evolve(edl, drawn_fields=take_drawing(edl, state.drawing).fields)
-    return attrs.evolve(edl, overrides=read_overrides(edl, state), corrections=read_corrections(edl, state.cameras))
+    look = attrs.evolve(edl.look, **dict(state.look))
+    drawn = take_drawing(edl, state.drawing).fields
+    if (look, drawn) != (edl.look, edl.drawn_fields):
+        edl = edl.redecided(look=look, drawn_fields=drawn)
+    overrides, corrections = read_overrides(edl, state), read_corrections(edl, state.cameras)
+    if (overrides, corrections) == (edl.overrides, edl.corrections):
+        return edl
+    return edl.redecided(overrides=overrides, corrections=corrections)
 
 
 def read_overrides(edl: Edl, state: SequencerState) -> tuple[Override, ...]:
@@ -204,43 +214,61 @@ def _camera_changes(
     ground = segments.paint([(piece.start, piece.stop, camera) for piece, camera in automatic])
     said = segments.paint(_said(edl, "camera"))
     known = {camera.name for camera in edl.cameras}
+    shown_on = _Sources(state, known)
     changes: list[_Change | None] = [None] * segments.count
     for index, strip in enumerate(top):
         if strip is None:
             changes[index] = _Change(None) if said[index] is not None else None
             continue
-        shown = _camera_of(state, strip, segments.points[index], known)
+        shown = shown_on.camera_of(strip, segments.points[index])
         if shown != (ground[index] if said[index] is None else said[index]):
             changes[index] = _Change(None if shown == ground[index] else shown)
     return changes
 
 
-def _camera_of(state: SequencerState, strip: FoundStrip, frame: int, known: set[str]) -> str:
-    """The camera on the strip's source channel at ``frame``."""
-    on_channel = [c for c in state.cameras if c.channel == strip.source]
-    names = {c.camera for c in on_channel}
-    if len(names) > 1:  # the editor gathered cameras in one channel: what lies there at this frame counts
-        names = {c.camera for c in on_channel if c.start <= frame < c.stop}
-    if len(names) != 1 or not names <= known:
+class _Sources:
+    """Which camera each channel shows."""
+
+    def __init__(self, state: SequencerState, known: set[str]) -> None:
+        self._known = known
+        self._on: dict[int, list[FoundCamera]] = {}
+        for camera in state.cameras:
+            self._on.setdefault(camera.channel, []).append(camera)
+        names = {channel: {c.camera for c in on} for channel, on in self._on.items()}
+        self._alone = {channel: min(own) for channel, own in names.items() if len(own) == 1 and own <= known}
+
+    def camera_of(self, strip: FoundStrip, frame: int) -> str:
+        """The camera on the strip's source channel at ``frame``. InputError where that is not one camera of the EDL."""
+        return self._alone.get(strip.source) or self._gathered(strip, frame)
+
+    def _gathered(self, strip: FoundStrip, frame: int) -> str:
+        """The editor gathered cameras in one channel: what lies there at this frame counts."""
+        on_channel = self._on.get(strip.source, [])
+        names = {c.camera for c in on_channel}
+        if len(names) > 1:
+            names = {c.camera for c in on_channel if c.start <= frame < c.stop}
+        if len(names) == 1 and names <= self._known:
+            return min(names)
         if not on_channel:
             what = f"shows channel {strip.source}, which holds no camera"
         elif len(names) == 1:
-            what = f"shows {min(names)!r}, which is not a camera of the EDL ({', '.join(sorted(known))})"
+            what = f"shows {min(names)!r}, which is not a camera of the EDL ({', '.join(sorted(self._known))})"
         else:
             what = f"shows channel {strip.source}, which holds {'no' if not names else 'more than one'} camera here"
-        channels = sorted({c.channel for c in state.cameras})
+        channels = ", ".join(map(str, sorted(self._on)))
         raise InputError(
             what,
             where=f"strip {strip.name!r}, programme frame {frame} (Blender's frame {frame + 1})",
-            remedy=f"Set its channel to one of the cameras' ({', '.join(map(str, channels)) or 'none is left'})",
+            remedy=f"Set its channel to one of the cameras' ({channels or 'none is left'})",
         )
-    return names.pop()
 
 
 def _look_changes(edl: Edl, name: str, segments: _Segments, top: Sequence[FoundStrip | None]) -> list[_Change | None]:
+    changes: list[_Change | None] = [None] * segments.count
+    if all(strip is None or getattr(strip, name) is None for strip in top):
+        return changes
     ground = getattr(edl.look, name, AUTOMATIC)
     holds = segments.paint(_said(edl, name), ground)
-    changes: list[_Change | None] = [None] * segments.count
     for index, strip in enumerate(top):
         shown = None if strip is None else getattr(strip, name)
         if shown is not None and shown != holds[index]:

@@ -9,7 +9,7 @@ from fractions import Fraction
 from attrs import frozen
 
 from mcsl_core.edl import Edl
-from mcsl_core.edl.resolve import resolve
+from mcsl_core.edl.resolve import Decisions, resolve
 from mcsl_core.timing import FrameRange
 
 
@@ -35,16 +35,27 @@ class ShotRow:
     overridden: bool
 
 
-def rows_of(edl: Edl) -> tuple[ShotRow, ...]:
-    """The shots of ``edl`` (the timeline's decisions already in it), one row for each effective decision."""
+def rows_of(edl: Edl, decisions: Decisions | None = None) -> tuple[ShotRow, ...]:
+    """The shots of ``edl`` (the timeline's decisions already in it), one row for each effective decision.
+
+    decisions: what `resolve` says of it, where that is known.
+    """
     shots = iter(edl.shots)
     shot = next(shots)
     rows = []
-    for stretch, decision in resolve(edl):
+    for stretch, decision in resolve(edl) if decisions is None else decisions:
         while stretch.start not in shot.range:
             shot = next(shots)
         rows.append(ShotRow(stretch, decision.camera, shot.camera, shot.score, shot.why, decision.overridden))
     return tuple(rows)
+
+
+def unchanged(before: Sequence[ShotRow], now: Sequence[ShotRow]) -> tuple[int, int]:
+    """How many rows are the same from the beginning, and how many of the others from the end."""
+    shorter = min(len(before), len(now))
+    first = next((i for i in range(shorter) if before[i] != now[i]), shorter)
+    left = shorter - first
+    return first, next((i for i in range(left) if before[-1 - i] != now[-1 - i]), left)
 
 
 def row_at(rows: Sequence[ShotRow], frame: int) -> int:

@@ -16,7 +16,7 @@ from __future__ import annotations
 import hashlib
 import json
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from attrs import frozen
@@ -25,7 +25,7 @@ from mcsl_core.documents import canonical_json
 from mcsl_core.edl import Edl
 from mcsl_core.edl.dependencies import View, movement_over, relief_of, sees_through, views_of
 from mcsl_core.edl.following import followed_over, poses_beside
-from mcsl_core.edl.resolve import Decision, resolve_by_pose
+from mcsl_core.edl.resolve import Decision, DecisionsByPose, resolve_by_pose
 from mcsl_core.timing import FrameRange, joined, merge_equal
 
 from .moving import followed_ranges
@@ -33,35 +33,77 @@ from .moving import followed_ranges
 Basis = tuple[tuple[FrameRange, str], ...]  # tiles the programme
 
 
-def basis_of(edl: Edl) -> Basis:
-    """What the exact pictures of ``edl`` are made from, frame by frame; a hash for each stretch of one answer."""
-    common = _digest([str(edl.rate), list(edl.size), edl.reference, _filler(edl)])
-    centering = _digest([list(key) for key in edl.centering])
-    followed = {span: _digest(movement_over(edl, span)) for span, _ in followed_ranges(edl)}
-    views: dict[Any, str] = {}
-    reliefs: dict[Any, str] = {}
-    pieces = []
-    for span, decision, number in resolve_by_pose(edl):
-        centre: Any = centering if decision.centering else None
-        if decision.centering and decision.offset is not None:
-            centre = list(decision.offset)
-        through = sees_through(edl.poses[number], decision)
-        key = (number, decision.camera, decision.fill, decision.colour, through)
-        if key not in views:
-            views[key] = _digest([_source(view) for view in views_of(edl, edl.poses[number], decision)])
-        facts = [common, decision.camera, centre, decision.fill, decision.colour, views[key]]
-        relief = number, decision.surface
-        if relief not in reliefs:
-            known = relief_of(edl, edl.poses[number], surface=decision.surface)
-            reliefs[relief] = "" if known is None else _digest(known)
-        facts += [reliefs[relief]] if reliefs[relief] else []  # a pose without is as before there were any
-        facts += ["see through"] if through else []
+class _Digests:
+    """Hashes of what pictures are made from, kept from one decision to the next.
+
+    What the analysis found and what was corrected stays the same object then, and is most of the work.
+    """
+
+    def __init__(self) -> None:
+        self._of: tuple[Any, Any] = ((), ())
+        self._found: dict[Any, str] = {}
+
+    def open(self, edl: Edl) -> None:
+        """From now on they are of ``edl``: those of an EDL with other parts are forgotten."""
+        same = edl.cameras, edl.poses, edl.movements, edl.centering, edl.corrections, edl.made_by
+        equal = edl.rate, edl.size, edl.frames, edl.reference
+        before, self._of = self._of, (same, equal)
+        if before[1] != equal or any(a is not b for a, b in zip(before[0], same, strict=True)):
+            self._found = {}
+
+    def of(self, key: Any, value: Callable[[], Any]) -> str:
+        """The hash of ``value()``, which ``key`` stands for."""
+        if key not in self._found:
+            self._found[key] = _digest(value())
+        return self._found[key]
+
+
+_digests = _Digests()
+
+
+def basis_of(edl: Edl, by_pose: DecisionsByPose | None = None) -> Basis:
+    """What the exact pictures of ``edl`` are made from, frame by frame; a hash for each stretch of one answer.
+
+    by_pose: what `resolve_by_pose` says of it, where that is known.
+    """
+    _digests.open(edl)
+    followed, known, pieces = _Followed(edl), {}, []
+    for span, decision, number in resolve_by_pose(edl) if by_pose is None else by_pose:
+        if (number, decision) not in known:
+            facts = _facts(edl, decision, number)
+            known[number, decision] = facts, _digest(facts)
+        facts, digest = known[number, decision]
         for part, eases in _eased(span, decision):  # a centre by hand glides in and out; between, it stands
-            own = [*facts, centering, eases] if eases else facts
-            for p, moves in _moving(part, followed):
-                behind = _behind(edl, p) if through and moves else []
+            for p, moves in followed.over(part):
+                if not eases and not moves:
+                    pieces.append((p, digest))
+                    continue
+                own = [*facts, _centering(edl), eases] if eases else facts
+                behind = _behind(edl, p) if moves and sees_through(edl.poses[number], decision) else []
                 pieces.append((p, _digest([*own, moves, *behind] if moves else own)))
     return tuple(merge_equal(pieces))
+
+
+def _facts(edl: Edl, decision: Decision, number: int) -> list[Any]:
+    """What the pictures under a decision in a pose are made from, where no centre glides and the lamp stands."""
+    pose, digest = edl.poses[number], _digests.of
+    common = digest("common", lambda: [str(edl.rate), list(edl.size), edl.reference, _filler(edl)])
+    centre: Any = _centering(edl) if decision.centering else None
+    if decision.centering and decision.offset is not None:
+        centre = list(decision.offset)
+    through = sees_through(pose, decision)
+    view = digest(
+        ("view", number, decision.camera, decision.fill, decision.colour, through),
+        lambda: [_source(view) for view in views_of(edl, pose, decision)],
+    )
+    facts = [common, decision.camera, centre, decision.fill, decision.colour, view]
+    if decision.surface and pose.relief is not None:  # a pose without is as before there were any
+        facts.append(digest(("relief", number), lambda: relief_of(edl, pose, surface=True)))
+    return [*facts, "see through"] if through else facts
+
+
+def _centering(edl: Edl) -> str:
+    return _digests.of("centering", lambda: [list(key) for key in edl.centering])
 
 
 def _behind(edl: Edl, span: FrameRange) -> list[Any]:
@@ -77,15 +119,27 @@ def _behind(edl: Edl, span: FrameRange) -> list[Any]:
     ]
 
 
-def _moving(part: FrameRange, followed: Mapping[FrameRange, str]) -> list[tuple[FrameRange, str]]:
-    """``part`` cut where the lamp begins and ends to be followed, and how it is in each piece; '' where it is not."""
-    moving = [(both, moves) for span, moves in followed.items() if (both := span.intersection(part)) is not None]
-    return sorted([*moving, *((piece, "") for piece in without([part], [both for both, _ in moving]))])
+class _Followed:
+    """Where the lamp is followed, and how, as a hash."""
+
+    def __init__(self, edl: Edl) -> None:
+        self._spans = [span for span, _ in followed_ranges(edl)]
+        self._how = {s: _digests.of(("moves", s), lambda s=s: movement_over(edl, s)) for s in self._spans}
+
+    def over(self, part: FrameRange) -> list[tuple[FrameRange, str]]:
+        """``part`` cut where the lamp begins and ends to be followed, and how it is in each piece; '' where not."""
+        near = touching(self._spans, part.start, part.stop)
+        if not near:
+            return [(part, "")]
+        moving = [(both, self._how[span]) for span in near if (both := span.intersection(part)) is not None]
+        return sorted([*moving, *((piece, "") for piece in without([part], [both for both, _ in moving]))])
 
 
 def _eased(span: FrameRange, decision: Decision) -> list[tuple[FrameRange, str]]:
     """``span`` cut where a glide begins or ends, and which glides there are in each part, as text."""
     near = [e for e in decision.eases if e.range.intersection(span) is not None]
+    if not near:
+        return [(span, "")]
     points = {span.start, span.stop}
     points |= {p for e in near for p in (e.range.start, e.range.stop) if span.start < p < span.stop}
     cuts = sorted(points)
@@ -154,7 +208,7 @@ def without(pieces: Iterable[FrameRange], holes: Iterable[FrameRange]) -> tuple[
     gaps = joined(holes)
     for piece in joined(pieces):
         at = piece.start
-        for gap in _touching(gaps, piece):
+        for gap in touching(gaps, piece.start, piece.stop):
             if gap.start > at:
                 result.append(FrameRange(at, gap.start))
             at = gap.stop
@@ -163,10 +217,10 @@ def without(pieces: Iterable[FrameRange], holes: Iterable[FrameRange]) -> tuple[
     return tuple(result)
 
 
-def _touching(ordered: Sequence[FrameRange], piece: FrameRange) -> Sequence[FrameRange]:
-    """Those of ``ordered`` (ranges in order that do not overlap) that share frames with ``piece``."""
-    first = bisect_right(ordered, piece.start, key=lambda other: other.stop)
-    return ordered[first : bisect_left(ordered, piece.stop, key=lambda other: other.start)]
+def touching(ordered: Sequence[FrameRange], start: int, stop: int) -> Sequence[FrameRange]:
+    """Those of ``ordered`` (ranges in order that do not overlap) that share frames with [start, stop)."""
+    first = bisect_right(ordered, start, key=lambda other: other.stop)
+    return ordered[first : bisect_left(ordered, stop, key=lambda other: other.start)]
 
 
 def outstanding(frames: int, covered: Iterable[FrameRange]) -> tuple[FrameRange, ...]:
@@ -184,7 +238,7 @@ class Part:
 
 def parts(strip: FrameRange, gone: Sequence[FrameRange]) -> tuple[Part, ...]:
     """A conformed strip cut at what is ``gone`` (as `changed` gives it): its stretches in order."""
-    near = _touching(gone, strip)
+    near = touching(gone, strip.start, strip.stop)
     keep = [Part(piece, True) for piece in without([strip], near)]
     lost = [Part(piece, False) for piece in without([strip], [part.range for part in keep])]
     return tuple(sorted([*keep, *lost], key=lambda part: part.range))

@@ -16,7 +16,7 @@ import json
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
-from itertools import pairwise
+from itertools import groupby, pairwise
 from math import ceil
 from pathlib import Path
 from typing import Any
@@ -27,7 +27,7 @@ from attrs import field, frozen
 from mcsl_core.blender.messages import ConformedPiece
 from mcsl_core.edl import Camera, Edl
 from mcsl_core.edl.placement import placement_matrix
-from mcsl_core.edl.resolve import Decision, resolve, shift_at
+from mcsl_core.edl.resolve import Decision, DecisionsByPose, resolve, resolve_by_pose, shift_at
 from mcsl_core.timing import FrameRange, merge_equal
 
 from .camera_places import corrected, planned_transform
@@ -312,24 +312,35 @@ def _programme(edl: Edl, channels: dict[str, int]) -> tuple[ProgrammeStrip, ...]
     return tuple(strips)
 
 
-def offset_keys(edl: Edl) -> tuple[OffsetKey, ...]:
-    """The EDL's keys where centering is on, what was set by hand, zero where it is off; changes lie between two frames.
+def centred(edl: Edl, by_pose: DecisionsByPose | None = None) -> tuple[tuple[FrameRange, Centring], ...]:
+    """How the programme is centred, stretch by stretch; () where it is not. With `Edl.centering` it makes the keys.
 
     Off as well where a weak camera is shown: its picture stands whole, and the field's place in it is not known.
+    by_pose: what `resolve_by_pose` says of ``edl``, where that is known.
     """
     if not edl.centering and all(override.offset is None for override in edl.overrides):
         return ()
-    states = merge_equal(
-        [
-            (
-                piece,
-                _Centring(decision.centering and placement_matrix(edl, pose, decision.camera) is not None, decision),
-            )
-            for stretch, decision in resolve(edl)
-            for pose in edl.poses
-            if (piece := stretch.intersection(pose.range))
-        ]
-    )
+    known: dict[tuple[int, str], bool] = {}
+
+    def how(piece: tuple[FrameRange, Decision, int]) -> tuple[Any, ...]:
+        _, decision, number = piece
+        where = number, decision.camera
+        if where not in known:
+            known[where] = placement_matrix(edl, edl.poses[number], decision.camera) is not None
+        return decision.centering and known[where], decision.offset, decision.eases
+
+    found = []
+    for (on, *_), group in groupby(resolve_by_pose(edl) if by_pose is None else by_pose, key=how):
+        pieces = list(group)
+        found.append((FrameRange(pieces[0][0].start, pieces[-1][0].stop), Centring(on, pieces[0][1])))
+    return tuple(found)
+
+
+def offset_keys(edl: Edl) -> tuple[OffsetKey, ...]:
+    """The EDL's keys where centering is on, what was set by hand, zero where it is off; changes lie between frames."""
+    states = centred(edl)
+    if not states:
+        return ()
     if len(states) == 1 and states[0][1].on and states[0][1].decision.offset is None:
         return tuple(OffsetKey(frame, dx, 0.0 - dy) for frame, dx, dy in edl.centering)
     frames = [frame for frame, _, _ in edl.centering]
@@ -351,7 +362,7 @@ def offset_keys(edl: Edl) -> tuple[OffsetKey, ...]:
 
 
 @frozen
-class _Centring:
+class Centring:
     """What the centering of a stretch depends on; equal where it goes on without a break."""
 
     on: bool

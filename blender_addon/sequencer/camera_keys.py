@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import hashlib
 from array import array
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..core.moving import TransformKey
 from ..core.strip_plan import CameraTrack, MoviePiece
-from .compat import ends
-from .curves import curve_at, keys_in, make_curve, path_of, remove_curve, set_keys
+from .compat import ends, strips_of
+from .curves import curves_of_transforms, keys_in, make_curve, path_of, remove_curve, set_keys
 from .scene_properties import CAMERA, FOLLOWS, PLANNED_TRANSFORM, role_of
 from .transforms import NUMBERS, set_transform, transform_numbers
 
@@ -36,10 +36,12 @@ def place_camera(scene: Any, strip: Any, piece: MoviePiece) -> None:
 
 def _set_keys(scene: Any, strip: Any, keys: Sequence[TransformKey]) -> None:
     numbers = [transform_numbers(key.transform) for key in keys]
+    curves = {}
     for name, values in zip(NUMBERS, zip(*numbers, strict=True), strict=True):
-        curve = make_curve(scene, path_of(strip, name))
-        set_keys(curve, [key.frame for key in keys], values, [key.hold for key in keys])
-    strip[FOLLOWS] = _keys_hash(scene, strip)
+        path = path_of(strip, name)
+        curves[path] = make_curve(scene, path)
+        set_keys(curves[path], [key.frame for key in keys], values, [key.hold for key in keys])
+    strip[FOLLOWS] = _keys_hash(curves, strip)
 
 
 def follow_movements(scene: Any, tracks: Sequence[CameraTrack]) -> None:
@@ -57,13 +59,14 @@ def follow_movements(scene: Any, tracks: Sequence[CameraTrack]) -> None:
 
 def moved_by_hand(scene: Any) -> tuple[Any, ...]:
     """The strips over movements whose keys are others than those they were given."""
-    found = (s for s in scene.sequence_editor.strips if role_of(s) == "camera" and FOLLOWS in s)
-    return tuple(strip for strip in found if strip[FOLLOWS] != _keys_hash(scene, strip))
+    curves = curves_of_transforms(scene)
+    found = (s for s in strips_of(scene, "MOVIE") if role_of(s) == "camera" and FOLLOWS in s)
+    return tuple(strip for strip in found if strip[FOLLOWS] != _keys_hash(curves, strip))
 
 
-def _keys_hash(scene: Any, strip: Any) -> str:
+def _keys_hash(curves: Mapping[str, Any], strip: Any) -> str:
     values = array("f")
     for name in NUMBERS:
-        if (curve := curve_at(scene, path_of(strip, name))) is not None:
+        if (curve := curves.get(path_of(strip, name))) is not None:
             values.extend(keys_in(curve))
     return hashlib.sha256(values.tobytes()).hexdigest()[:16]

@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+from array import array
 from typing import Any
 
 import bpy  # pyright: ignore[reportMissingImports]
 
+_HANDLES = "left_handle" in bpy.types.Strip.bl_rna.properties
 _OLD_ENDS = ("frame_final_start", "frame_final_end")
 
 
@@ -18,9 +20,22 @@ def new_effect(scene: Any, name: str, kind: str, channel: int, start: int, stop:
 
 def ends(strip: Any) -> tuple[int, int]:
     """The programme frames [start, stop) a strip shows. `frame_final_*` is deprecated in 5.2."""
-    if hasattr(strip, "left_handle"):
+    if _HANDLES:
         return int(strip.left_handle) - 1, int(strip.right_handle) - 1
     return int(strip.frame_final_start) - 1, int(strip.frame_final_end) - 1
+
+
+def strips_of(scene: Any, kind: str) -> list[Any]:
+    """The strips of a type, outside meta strips: a property of ours is looked for in these alone."""
+    return [strip for strip in scene.sequence_editor.strips if strip.type == kind]
+
+
+def selected_strips(scene: Any) -> list[Any]:
+    """What is selected, outside meta strips."""
+    strips = scene.sequence_editor.strips
+    flags = array("b", bytes(len(strips)))
+    strips.foreach_get("select", flags)
+    return [strip for strip, selected in zip(strips, flags, strict=True) if selected]
 
 
 def sequencer_scene(context: Any) -> Any:
@@ -37,7 +52,7 @@ def use_sequencer_scene(scene: Any) -> None:
 
 def set_ends(strip: Any, start: int, stop: int) -> None:
     """The strip shows programme frames [start, stop); its content stays where it is."""
-    left, right = ("left_handle", "right_handle") if hasattr(strip, "left_handle") else _OLD_ENDS
+    left, right = ("left_handle", "right_handle") if _HANDLES else _OLD_ENDS
     setattr(strip, right, stop + 1)  # an end stops at the other: twice, so that neither is in the other's way
     setattr(strip, left, start + 1)
     setattr(strip, right, stop + 1)

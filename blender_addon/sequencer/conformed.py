@@ -16,13 +16,14 @@ from attrs import frozen
 
 from mcsl_core.blender.messages import ConformedPiece
 from mcsl_core.edl import Edl
+from mcsl_core.edl.resolve import DecisionsByPose
 from mcsl_core.timing import FrameRange
 
 from ..core import stale
 from ..core.carry_over import Place, main_part, parts_of, uncovered
 from ..core.strip_plan import FIRST_CAMERA_CHANNEL, make_plan
 from .build import add_conformed_strip, cut_out
-from .compat import ends
+from .compat import ends, strips_of
 from .edit import effect_inputs, split_at
 from .films import link_film
 from .scene_properties import AWAITS_PICTURES, CONFORMED_BASIS, FALLEN, NO_LONGER_HOLDS, role_of
@@ -50,7 +51,7 @@ def note_basis(scene: Any, edl: Edl) -> None:
 def conformed_strips(scene: Any) -> list[tuple[Any, FrameRange]]:
     """Every conformed strip and the programme frames it shows, in order."""
     pairs = []
-    for strip in scene.sequence_editor.strips:
+    for strip in strips_of(scene, "MOVIE"):
         if role_of(strip) == "conformed":
             start, stop = ends(strip)
             pairs.append((strip, FrameRange(start, stop)))
@@ -58,15 +59,18 @@ def conformed_strips(scene: Any) -> list[tuple[Any, FrameRange]]:
 
 
 def any_there(scene: Any) -> bool:
-    return any(role_of(strip) == "conformed" for strip in scene.sequence_editor.strips)
+    return any(role_of(strip) == "conformed" for strip in strips_of(scene, "MOVIE"))
 
 
-def keep_true(scene: Any, now: Edl) -> Held:
-    """Mutes what no longer shows what ``now`` decides, unmutes what does again."""
+def keep_true(scene: Any, now: Edl, by_pose: DecisionsByPose | None = None) -> Held:
+    """Mutes what no longer shows what ``now`` decides, unmutes what does again.
+
+    by_pose: what `resolve_by_pose` says of ``now``, where that is known.
+    """
     there = conformed_strips(scene)
     then = stale.from_text(scene.get(CONFORMED_BASIS, ""))
-    gone = stale.changed(stale.basis_of(now), then) if there else ()
-    lost, changed, whole = [], False, effect_inputs(scene)
+    gone = stale.changed(stale.basis_of(now, by_pose), then) if there else ()
+    lost, changed, whole = [], False, effect_inputs(scene) if gone else set()
     for strip, span in there:
         parts = stale.parts(span, gone)
         if strip.name in whole and len(parts) > 1:
@@ -76,7 +80,7 @@ def keep_true(scene: Any, now: Edl) -> Held:
             changed |= _set_holds(piece, part.holds)
             if not part.holds:
                 lost.append(part.range)
-    covered = [span for strip, span in conformed_strips(scene) if not strip.mute]
+    covered = [span for strip, span in conformed_strips(scene) if not strip.mute] if there else []
     return Held(stale.outstanding(now.frames, covered), stale.without(lost, ()), changed)
 
 

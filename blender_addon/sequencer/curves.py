@@ -22,6 +22,11 @@ def curve_at(scene: Any, path: str) -> Any:
     return next((curve for bag in _bags(scene) if (curve := bag.fcurves.find(path)) is not None), None)
 
 
+def curves_of_transforms(scene: Any) -> dict[str, Any]:
+    """Every F-curve of a plain number by its data path: to look many up, since `curve_at` searches all of them."""
+    return {curve.data_path: curve for bag in _bags(scene) for curve in bag.fcurves}
+
+
 def make_curve(scene: Any, path: str) -> Any:
     """The F-curve of a data path, made where there is none."""
     animation = scene.animation_data_create()

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from ..core.field import to_text
 from ..core.multicam import Switch
 from ..core.read_overrides import AUTOMATIC
 from ..core.revert import Setting
+from .compat import selected_strips
 from .scene_properties import CENTRE, DRAWN_FIELDS, DRAWN_UPON, GIVEN_NAME, LOOK_FOR_ALL, LOOK_OF_SHOT, given_name
 
 HIGHEST_CHANNEL = 128  # Blender has no more
@@ -104,17 +105,21 @@ def curves_of(scene: Any) -> dict[str, Any]:
     return found
 
 
-def apply_switch(scene: Any, change: Switch) -> None:
-    """Cuts and switches as decided; the part that is shown from now on becomes the active strip, alone selected."""
-    strip = scene.sequence_editor.strips[change.name]
+def apply_switch(scene: Any, change: Switch) -> list[Any]:
+    """Cuts and switches as decided; the part that is shown from now on becomes the active strip, alone selected.
+
+    Returns the parts of the strip that was there.
+    """
+    parts = [scene.sequence_editor.strips[change.name]]
     if change.split is not None:
-        strip = split_strip(strip, change.split)
+        parts.append(split_strip(parts[0], change.split))
+    strip = parts[-1]
     strip.multicam_source = change.source
-    for other in scene.sequence_editor.strips:
-        if other.select and other != strip:
-            other.select = False
+    for other in selected_strips(scene):
+        other.select = False
     strip.select = True
     scene.sequence_editor.active_strip = strip
+    return parts
 
 
 def apply_settings(scene: Any, settings: Mapping[str, Sequence[Setting]], look: Look) -> None:
@@ -157,12 +162,14 @@ def _clear_decisions(strip: Any) -> None:
         strip.pop(name, None)
 
 
-def label_strips(scene: Any, overridden: frozenset[str], cameras: Mapping[str, str]) -> None:
-    """Yellow for the ``overridden`` strips, none for the other Multicam strips, and the camera in their names.
+def label_strips(strips: Iterable[Any], overridden: frozenset[str], cameras: Mapping[str, str]) -> dict[str, str]:
+    """Yellow for the ``overridden`` of these Multicam strips, none for the others, and the camera in their names.
 
-    cameras: what each strip shows, by its name. An editor's own colours and names stay.
+    cameras: what each strip shows, by its name. An editor's own colours and names stay. Returns what was renamed:
+    old -> new.
     """
-    for strip in [s for s in scene.sequence_editor.strips if s.type == "MULTICAM"]:
+    renamed = {}
+    for strip in strips:
         name = strip.name
         wanted = OVERRIDDEN_COLOUR if name in overridden else "NONE"
         if strip.color_tag != wanted and strip.color_tag in ("NONE", OVERRIDDEN_COLOUR):
@@ -172,3 +179,5 @@ def label_strips(scene: Any, overridden: frozenset[str], cameras: Mapping[str, s
             number = given.partition(":")[0]
             if (now := f"{number}: {cameras[name]}") != given:
                 strip.name = strip[GIVEN_NAME] = now
+                renamed[name] = strip.name
+    return renamed

@@ -12,13 +12,16 @@ import bpy  # pyright: ignore[reportMissingImports]
 
 from mcsl_core.edl import Edl
 from mcsl_core.errors import McslError
+from mcsl_core.timing import joined
 
 from ..core import times
 from ..core.field import remarks_on_drawing
 from ..core.outside import remark_on
 from ..core.read_overrides import SequencerState
+from ..core.stale import touching
 from ..core.strip_plan import FIRST_CAMERA_CHANNEL
-from .compat import ends
+from .compat import ends, strips_of
+from .conformed import conformed_strips
 from .scene_properties import CAMERA, edl_path, placed_of, role_of
 from .touched import Work
 
@@ -66,17 +69,23 @@ def _of_files(scene: Any, edl: Edl) -> Iterator[str]:
 def _of_strips(scene: Any, edl: Edl) -> Iterator[str]:
     editor = scene.sequence_editor
     conformed = FIRST_CAMERA_CHANNEL + len(edl.cameras) + 2
-    exact = [ends(s) for s in editor.strips if role_of(s) == "conformed" and not s.mute]
+    exact = joined(span for strip, span in conformed_strips(scene) if not strip.mute)
     if exact and editor.channels[conformed].mute:
         yield f"channel {conformed}, Conformed, is muted: the preview shows in place of the exact pictures"
     work = Work(scene)
-    for strip in editor.strips:
+    for strip in strips_of(scene, "MULTICAM"):
+        start, stop = ends(strip)
+        if not strip.mute and not touching(exact, start, stop):
+            continue
+        if not (done := [what for what in work.on(strip) if what not in _SEEN]):
+            continue
+        where = f"strip {strip.name!r}, frame {start + 1}"
+        if strip.mute:
+            yield f"{where} is muted and decides nothing: your work on it ({done[0]}) goes with the next rebuild"
+        else:
+            yield f"{where}: your work on it ({done[0]}) is hidden by the exact pictures; do it on those, or above"
+    for strip in strips_of(scene, "MOVIE"):
         where = f"strip {strip.name!r}, frame {ends(strip)[0] + 1}"
-        if strip.type == "MULTICAM" and (done := [what for what in work.on(strip) if what not in _SEEN]):
-            if strip.mute:
-                yield f"{where} is muted and decides nothing: your work on it ({done[0]}) goes with the next rebuild"
-            elif any(a < ends(strip)[1] and ends(strip)[0] < b for a, b in exact):
-                yield f"{where}: your work on it ({done[0]}) is hidden by the exact pictures; do it on those, or above"
         placed = placed_of(strip) if role_of(strip) in ("camera", "conformed") else None
         if placed is not None and not strip.filepath.replace("\\", "/").endswith(placed[1]):
             yield f"{where} shows {strip.filepath}, not {placed[1]} as it was built"

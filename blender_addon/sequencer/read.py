@@ -10,12 +10,12 @@ from mcsl_core.errors import InputError
 
 from ..core.corrections import FoundCamera
 from ..core.field import FoundDrawing, from_text
-from ..core.read_overrides import AUTOMATIC, FoundStrip, SequencerState
+from ..core.read_overrides import AUTOMATIC, FoundStrip, SequencerState, in_order
 from ..core.similarity import Transform
 from ..core.strip_plan import automatic_from_text
 from .camera_keys import moved_by_hand
 from .centering_keys import keyed_by_hand
-from .compat import ends
+from .compat import ends, strips_of
 from .read_times import read_films, read_scene_time
 from .scene_properties import (
     AUTOMATIC_CAMERA,
@@ -23,8 +23,10 @@ from .scene_properties import (
     CENTRE,
     DRAWN_FIELDS,
     DRAWN_UPON,
+    GIVEN_NAME,
     LOOK_FOR_ALL,
     LOOK_OF_SHOT,
+    MARK,
     PLANNED_TRANSFORM,
     SHOT_ID,
     TRACKS_HASH,
@@ -32,8 +34,9 @@ from .scene_properties import (
     role_of,
     text_of,
 )
-from .transforms import transform_from_numbers
+from .transforms import NUMBERS, transform_from_numbers
 
+_BUILT = {MARK, SHOT_ID, AUTOMATIC_CAMERA, GIVEN_NAME}
 FARTHEST_PX = 1e7  # what no transform or centre of a picture reaches
 
 
@@ -45,40 +48,11 @@ def read_timeline(scene: Any) -> SequencerState:
     InputError
         A strip or a property cannot be read; the error names it.
     """
-    editor = scene.sequence_editor
-    _check_metas(editor)
-    strips, cameras = [], []
-    for strip in editor.strips:
-        start, stop = ends(strip)
-        if strip.type == "MULTICAM":
-            strips.append(
-                FoundStrip(
-                    name=strip.name,
-                    channel=strip.channel,
-                    start=start,
-                    stop=stop,
-                    source=strip.multicam_source,
-                    muted=strip.mute,
-                    **{aid: _switch(strip, name) for aid, name in LOOK_OF_SHOT.items()},
-                    offset=_offset(strip),
-                    id=text_of(strip, SHOT_ID, _where(strip), ""),
-                )
-            )
-        elif role_of(strip) == "camera":
-            t = strip.transform
-            cameras.append(
-                FoundCamera(
-                    camera=text_of(strip, CAMERA, _where(strip)),
-                    channel=strip.channel,
-                    start=start,
-                    stop=stop,
-                    name=strip.name,
-                    transform=transform_from_numbers([t.offset_x, t.offset_y, t.scale_x, t.scale_y, t.rotation]),
-                    planned=_planned(strip),
-                )
-            )
+    _check_metas(scene.sequence_editor)
+    strips = in_order(read_shot(strip) for strip in strips_of(scene, "MULTICAM"))
+    cameras = [_camera(strip) for strip in _others(scene) if role_of(strip) == "camera"]
     return SequencerState(
-        strips=tuple(strips),
+        strips=strips,
         cameras=tuple(cameras),
         automatic=_automatic(scene),
         look=tuple((aid, _flag(scene, name, "the scene")) for aid, name in LOOK_FOR_ALL.items() if name in scene),
@@ -90,7 +64,53 @@ def read_timeline(scene: Any) -> SequencerState:
     )
 
 
+def read_about(scene: Any, frame: int) -> SequencerState:
+    """Of all that decides, what says which strip and channel show a camera at a programme frame: for a cut by key."""
+    _check_metas(scene.sequence_editor)
+    shots = [s for s in strips_of(scene, "MULTICAM") if ends(s)[0] <= frame < ends(s)[1]]
+    cameras = [_camera(strip) for strip in _others(scene) if role_of(strip) == "camera"]
+    return SequencerState(tuple(map(read_shot, shots)), tuple(cameras))
+
+
+def _others(scene: Any) -> list[Any]:
+    return [strip for strip in scene.sequence_editor.strips if strip.type != "MULTICAM"]
+
+
+def read_shot(strip: Any) -> FoundStrip:
+    """A Multicam strip and what it says. InputError where that cannot be read; the error names it."""
+    start, stop = ends(strip)
+    said = set(strip.keys()) - _BUILT  # a strip as it was built says nothing of its own
+    return FoundStrip(
+        name=strip.name,
+        channel=strip.channel,
+        start=start,
+        stop=stop,
+        source=strip.multicam_source,
+        muted=strip.mute,
+        **{aid: _switch(strip, name) for aid, name in LOOK_OF_SHOT.items() if name in said},
+        offset=_offset(strip) if CENTRE in said else None,
+        id=text_of(strip, SHOT_ID, _where, ""),
+    )
+
+
+def _camera(strip: Any) -> FoundCamera:
+    start, stop = ends(strip)
+    planned = _planned(strip)
+    return FoundCamera(
+        camera=text_of(strip, CAMERA, _where),
+        channel=strip.channel,
+        start=start,
+        stop=stop,
+        name=strip.name,
+        # over a movement our keys move it with the playhead, and it says nothing
+        transform=None if planned is None else transform_from_numbers([getattr(strip.transform, n) for n in NUMBERS]),
+        planned=planned,
+    )
+
+
 def _check_metas(editor: Any) -> None:
+    if len(editor.strips) == len(editor.strips_all):
+        return
     top = {s.name for s in editor.strips}
     for strip in editor.strips_all:
         if strip.name in top:

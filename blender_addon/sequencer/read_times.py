@@ -12,6 +12,7 @@ from ..core.times import FoundFilm, SceneTime
 from .compat import content_start, ends
 from .scene_properties import FALLEN, placed_of, role_of
 
+_FILMS = {"MOVIE": ("camera", "conformed"), "SOUND": ("sound",)}
 _SLOWER = ("SPEED",)  # effects that show other frames than those that are due
 
 
@@ -30,16 +31,10 @@ def read_scene_time(scene: Any) -> SceneTime:
 
 def read_films(scene: Any) -> tuple[FoundFilm, ...]:
     """Camera, conformed, sound and Centering strips; those of the sound in meta strips too."""
-    speeds = {
-        effect.input_1.name: effect.name
-        for effect in scene.sequence_editor.strips_all
-        if effect.type in _SLOWER and effect.input_1 is not None
-    }
-    return tuple(
-        _film(strip, speeds)
-        for strip in scene.sequence_editor.strips_all
-        if (role_of(strip), strip.type) in (("camera", "MOVIE"), ("conformed", "MOVIE"), ("sound", "SOUND"))
-    )
+    every = [(strip, strip.type) for strip in scene.sequence_editor.strips_all]
+    speeds = {e.input_1.name: e.name for e, kind in every if kind in _SLOWER and e.input_1 is not None}
+    films = (strip for strip, kind in every if kind in _FILMS and role_of(strip) in _FILMS[kind])
+    return tuple(_film(strip, speeds) for strip in films)
 
 
 def _film(strip: Any, speeds: dict[str, str]) -> FoundFilm:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -101,13 +102,16 @@ def placed_of(strip: Any) -> tuple[int, str] | None:
 _NEEDED = object()
 
 
-def text_of(owner: Any, name: str, what: str, default: Any = _NEEDED) -> Any:
-    """A property that is a text. InputError, naming it, where it is something else: another mcsl, or another add-on."""
+def text_of(owner: Any, name: str, what: str | Callable[[Any], str], default: Any = _NEEDED) -> Any:
+    """A property that is a text. InputError, naming it, where it is something else: another mcsl, or another add-on.
+
+    what: what the owner is, or a function of it that says so.
+    """
     value = owner.get(name)
     if value is None and default is not _NEEDED:
         return default
     if not isinstance(value, str):
-        raise odd(name, value, "a text", what)
+        raise odd(name, value, "a text", what if isinstance(what, str) else what(owner))
     return value
 
 

@@ -75,7 +75,11 @@ class Decision:
     see_through: bool = False
 
 
-def resolve(edl: Edl) -> tuple[tuple[FrameRange, Decision], ...]:
+Decisions = tuple[tuple[FrameRange, Decision], ...]  # tile the programme
+DecisionsByPose = tuple[tuple[FrameRange, Decision, int], ...]  # as well, with a pose's index
+
+
+def resolve(edl: Edl) -> Decisions:
     """The effective shots and look: the analysis below, overrides on top.
 
     Returns
@@ -94,13 +98,15 @@ def resolve(edl: Edl) -> tuple[tuple[FrameRange, Decision], ...]:
     """
     points = cut_points(edl.frames, [s.range for s in edl.shots] + [o.range for o in edl.overrides])
     pieces: list[tuple[FrameRange, Decision]] = []
+    look = {name: getattr(edl.look, name) for name in ("centering", "fill", "colour", "surface", "see_through")}
     shots = iter(edl.shots)
     shot = next(shots)
     beginning: dict[int, list[int]] = {}
     for index, override in enumerate(edl.overrides):
         beginning.setdefault(override.range.start, []).append(index)
     # field -> minus the indices of overrides that say it, the latest first; those that have ended are dropped on top.
-    saying: dict[str, list[int]] = {name: [] for name in _DECIDED}
+    said = {name for name in _DECIDED if any(getattr(override, name) is not None for override in edl.overrides)}
+    saying: dict[str, list[int]] = {name: [] for name in _DECIDED if name in said}
     for start, stop in pairwise(points):
         while start not in shot.range:
             shot = next(shots)
@@ -108,14 +114,7 @@ def resolve(edl: Edl) -> tuple[tuple[FrameRange, Decision], ...]:
             for name, heap in saying.items():
                 if getattr(edl.overrides[index], name) is not None:
                     heappush(heap, -index)
-        decided: dict[str, Any] = {
-            "camera": shot.camera,
-            "centering": edl.look.centering,
-            "fill": edl.look.fill,
-            "colour": edl.look.colour,
-            "surface": edl.look.surface,
-            "see_through": edl.look.see_through,
-        }
+        decided: dict[str, Any] = {"camera": shot.camera, **look}
         for name, heap in saying.items():
             while heap and edl.overrides[-heap[0]].range.stop <= start:
                 heappop(heap)
@@ -125,10 +124,13 @@ def resolve(edl: Edl) -> tuple[tuple[FrameRange, Decision], ...]:
     return tuple(_eased(edl, merge_equal(pieces)))
 
 
-def resolve_by_pose(edl: Edl) -> tuple[tuple[FrameRange, Decision, int], ...]:
-    """As `resolve`, cut also where poses meet: (range, decision, pose index). The ranges tile [0, frames)."""
+def resolve_by_pose(edl: Edl, decisions: Decisions | None = None) -> DecisionsByPose:
+    """As `resolve`, cut also where poses meet: (range, decision, pose index). The ranges tile [0, frames).
+
+    decisions: what `resolve` says, where that is known already.
+    """
     found, pose_index = [], 0
-    for piece, decision in resolve(edl):
+    for piece, decision in resolve(edl) if decisions is None else decisions:
         while edl.poses[pose_index].range.stop <= piece.start:
             pose_index += 1
         for at in range(pose_index, len(edl.poses)):
@@ -172,9 +174,9 @@ def shift_at(edl: Edl, decision: Decision, frame: float) -> tuple[float, float]:
 
 def _eased(edl: Edl, pieces: list[tuple[FrameRange, Decision]]) -> list[tuple[FrameRange, Decision]]:
     """Every range centred by hand with its eases: inside it, at its ends where neither camera nor pose changes."""
-    shifts = merge_equal([(piece, (d.centering, d.offset)) for piece, d in pieces])
-    if all(offset is None for _, (_, offset) in shifts):
+    if all(override.offset is None for override in edl.overrides):
         return pieces
+    shifts = merge_equal([(piece, (d.centering, d.offset)) for piece, d in pieces])
     cuts = {pose.range.start for pose in edl.poses}
     cuts |= {b.start for (_, a), (b, now) in pairwise(pieces) if a.camera != now.camera}
     eases: dict[int, tuple[Ease, ...]] = {}

@@ -7,6 +7,7 @@ homographies are 3x3 row-major, scaled so that the last element is 1, and act on
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from copy import copy
 from fractions import Fraction
 from numbers import Real
 from typing import Any
@@ -360,6 +361,15 @@ class Edl:
             self._check_inside(piece, at(index))
             require(piece.start >= last, f"{piece} begins before the one before it ends at {last}", at(index))
             last = piece.stop
+
+    def redecided(self, **decisions: Any) -> Edl:
+        """With other decisions of people, which are checked; what the analysis found was, when it was made."""
+        new = copy(self)
+        for name, value in decisions.items():
+            object.__setattr__(new, name, value)
+        attrs.validate(new)
+        new._check_decisions()
+        return new
 
     def camera(self, name: str) -> Camera:
         """The camera of that name.

@@ -17,7 +17,7 @@ from ...core import multicam
 from ...sequencer import scene_properties
 from ...sequencer.compat import sequencer_scene
 from ...sequencer.edit import apply_switch
-from ...sequencer.read import read_timeline
+from ...sequencer.read import read_about
 from ...sequencer.transforms import can_be_reset, reset_transform
 from .. import refresh
 
@@ -56,15 +56,16 @@ class MCSL_OT_switch_camera(bpy.types.Operator):
         try:
             camera = self.camera or _nth_camera(scene, self.number)
             frame = scene.frame_current - 1
-            change = multicam.switch(read_timeline(scene), frame, camera, whole=self.whole)
+            about = read_about(scene, frame)
+            change = multicam.switch(about, frame, camera, whole=self.whole)
         except McslError as error:
             self.report({"WARNING"}, str(error))
             return {"CANCELLED"}
         if change is None:
             self.report({"INFO"}, f"{camera} is shown already")
             return {"CANCELLED"}
-        apply_switch(scene, change)
-        refresh.refresh_timeline(scene)
+        was = next(strip for strip in about.strips if strip.name == change.name)
+        refresh.refresh_shot(scene, was, apply_switch(scene, change))
         self.report({"INFO"}, f"{camera} from frame {scene.frame_current}" if change.split is not None else camera)
         return {"FINISHED"}
 

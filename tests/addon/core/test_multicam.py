@@ -27,7 +27,7 @@ def built(edl: Edl) -> SequencerState:
 
 
 def marked(edl: Edl, state: SequencerState) -> frozenset[str]:
-    return overridden(read_edl(edl, state), state.strips)
+    return overridden(resolve(read_edl(edl, state)), state.strips)
 
 
 def done(state: SequencerState, change: Switch | None) -> SequencerState:

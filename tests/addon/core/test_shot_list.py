@@ -128,3 +128,14 @@ def test_the_command():
 @pytest.mark.parametrize("stage", stages.STAGES)
 def test_every_stage_of_the_analysis_is_offered(stage):
     assert stage in STAGES
+
+
+@given(before=st.lists(st.sampled_from("abc")), now=st.lists(st.sampled_from("abc")))
+def test_only_what_lies_between_rows_that_stay_is_filled_anew(before, now):
+    first, after = shot_list.unchanged(before, now)
+    assert first + after <= min(len(before), len(now))
+    kept = before[len(before) - after :]
+    assert before[:first] + now[first : len(now) - after] + kept == now
+    if first < min(len(before), len(now)) - after:  # as many as there are
+        assert before[first] != now[first]
+        assert before[-1 - after] != now[-1 - after]

@@ -372,3 +372,15 @@ def test_values_made_in_code_are_checked_as_well():
         Bounds().check(float("inf"), ".x")
     with pytest.raises(TypeError):
         R(0, 1.0)  # pyright: ignore[reportArgumentType]
+
+
+def test_other_decisions_are_checked_as_in_a_new_document():
+    edl, said = small(), Override(R(5, 9), camera="cam2")
+    assert edl.redecided(overrides=(said,), look=Look(fill=True)) == small(overrides=(said,), look=Look(fill=True))
+    assert edl.overrides == ()
+    for wrong in (Override(R(5, 9), camera="cam9"), Override(R(5, 1000), camera="cam2")):
+        with pytest.raises(Fault) as new:
+            small(overrides=(wrong,))
+        with pytest.raises(Fault) as again:
+            edl.redecided(overrides=(wrong,))
+        assert str(again.value) == str(new.value)
