@@ -41,6 +41,7 @@ CENTERING_PLAN_HASH = "mcsl_centered"  # the plan that those keys were written f
 CONFORMED_BASIS = "mcsl_conformed_for"  # what its conformed pictures were made from, by time
 SOUND_LAID = "mcsl_sound"  # where sound was laid, as JSON [[start, stop], ...]: what is missing there was taken out
 SILENT = "mcsl_silent"  # it was built without sound, as was asked
+PROXIES = "mcsl_proxies"  # the camera strips take their preview from proxies
 DRAWN_FIELDS = "mcsl_drawn_fields"  # the surgical field drawn by hand since the EDL was written last, as text
 DRAWN_UPON = "mcsl_drawn_upon"  # what the EDL had drawn when that was, as text
 LOOK_FOR_ALL = {  # a part of the look that was switched for the whole programme

@@ -19,7 +19,9 @@ from .transforms import NUMBERS
 _PLACE = re.compile(
     r"rna_type|type|name|channel|select.*|frame_.*|(left|right)_handle.*|content_.*|duration|elements|fps"
 )
-_SHOWN = re.compile(r"multicam_source|filepath|sound|show_waveform|.*_ptr|input_.*|stream_index|views_format|mute")
+_SHOWN = re.compile(
+    r"multicam_source|filepath|sound|show_waveform|.*_ptr|input_.*|stream_index|views_format|mute|use_proxy"
+)
 _BUILT: dict[str, Any] = {  # as built, where it is not Blender's default
     "color_tag": ("NONE", OVERRIDDEN_COLOUR),
     "blend_type": ("REPLACE", "CROSS", "ALPHA_OVER"),  # of effects; films are laid with REPLACE

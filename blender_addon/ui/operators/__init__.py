@@ -7,6 +7,11 @@ from . import analysis, decisions, delivery, field, interchange, look, preview, 
 
 _PARTS = (recording, analysis, timeline, decisions, look, field, delivery, interchange)
 CLASSES = tuple(kind for part in _PARTS for kind in part.CLASSES)
+from . import analysis, decisions, delivery, field, look, preview, proxies, recording, timeline
+
+CLASSES = tuple(
+    kind for part in (recording, analysis, timeline, proxies, decisions, look, field, delivery) for kind in part.CLASSES
+)
 
 
 def register() -> None:

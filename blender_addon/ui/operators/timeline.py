@@ -22,6 +22,7 @@ from ...sequencer import scene_properties
 from ...sequencer.build import build_timeline
 from ...sequencer.compat import sequencer_scene, use_sequencer_scene
 from ...sequencer.edit import clear_strip_decisions
+from ...sequencer.proxies import attach_again
 from ...sequencer.read import read_drawing, read_timeline
 from ...sequencer.renew import rebuild_timeline
 from .. import refresh
@@ -45,6 +46,7 @@ def build_into(scene, path: Path) -> list[str]:
         finally:
             bpy.data.scenes.remove(trial)
         notes = rebuild_timeline(scene, plan, path.parent)
+        attach_again(scene)
     else:
         try:
             notes = build_timeline(scene, plan, path.parent)

@@ -47,7 +47,9 @@ class MCSL_PT_recording(SidebarPanel, bpy.types.Panel):
         else:
             layout.label(text="The star is the reference camera", icon="INFO")
         layout.prop(work, "edl")
-        if not has_timeline(sequencer_scene(context)):
+        if has_timeline(sequencer_scene(context)):
+            layout.operator("mcsl.build_proxies", icon="SEQ_PREVIEW")
+        else:
             layout.operator("mcsl.build_timeline", icon="SEQ_SEQUENCER")
 
 

@@ -70,6 +70,7 @@ JAPANESE: dict[str, str] = {
     "Cancel": "中止",
     "Show Plugins": "プラグインを表示",
     "Build Timeline from EDL...": "EDL からタイムラインを作成...",
+    "Build Proxies": "プロキシを作成",
     "Pull Overrides into EDL": "手動変更を EDL に書き込む",
     "Switch Camera": "カメラを切り替え",
     "Go to Override": "手動変更へ移動",
@@ -216,6 +217,12 @@ JAPANESE: dict[str, str] = {
     "{title} runs already": "{title}: すでに動いています",
     "Wait, or cancel it": "終わるのを待つか、中止してください",
     "the plugins could not be read: {reason}": "プラグインを読めませんでした: {reason}",
+    "Let the preview play smoothly, by small copies of the camera files beside the .blend; renders do not use them": (
+        "プレビューを滑らかに再生するため、カメラのファイルの縮小版を .blend の横に作ります。レンダリングには使いません"
+    ),
+    "the file has no name yet": "ファイルにまだ名前がありません",
+    "Save it: proxies lie beside it": "保存してください。プロキシはその横に置かれます",
+    "proxies of {count} camera files": "カメラのファイル {count} 個のプロキシ",
     "Add camera files first": "先にカメラのファイルを追加してください",
     "No new camera file was chosen": "新しいカメラのファイルが選ばれていません",
     "There is a camera {name} already: rename the file": (
