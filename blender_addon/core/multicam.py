@@ -8,7 +8,7 @@ decides. So a key works while the programme plays, as Blender's own multicam key
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 
 import attrs
 from attrs import frozen
@@ -86,6 +86,26 @@ def _channel_of(state: SequencerState, camera: str, frame: int) -> int:
 
 def _nearest(strips: Sequence[FoundCamera], frame: int) -> FoundCamera:
     return min(strips, key=lambda c: max(c.start - frame, frame - c.stop + 1, 0))
+
+
+def through_edits(strips: Iterable[FoundStrip], touched: Container[str] = ()) -> tuple[tuple[str, ...], ...]:
+    """The names of strips that show and say the same one after another, in order: cuts that nobody sees.
+
+    touched: strips that bear an editor's work; it would be lost, or reach further.
+    """
+    groups: list[list[FoundStrip]] = []
+    for strip in sorted(strips, key=lambda s: (s.channel, s.start)):
+        if strip.muted or strip.name in touched:
+            continue
+        if groups and groups[-1][-1].stop == strip.start and _says_the_same(groups[-1][-1], strip):
+            groups[-1].append(strip)
+        else:
+            groups.append([strip])
+    return tuple(tuple(strip.name for strip in group) for group in groups if len(group) > 1)
+
+
+def _says_the_same(one: FoundStrip, other: FoundStrip) -> bool:
+    return attrs.evolve(one, name="", id="", start=0, stop=0) == attrs.evolve(other, name="", id="", start=0, stop=0)
 
 
 def overridden(decisions: Decisions, strips: Iterable[FoundStrip]) -> frozenset[str]:

@@ -12,6 +12,8 @@ from mcsl_core.edl import Edl
 from mcsl_core.edl.resolve import Decisions, resolve
 from mcsl_core.timing import FrameRange
 
+SHORT_FRAMES = 10  # a shot of fewer is told of
+
 
 @frozen
 class ShotRow:
@@ -76,6 +78,18 @@ def next_override(rows: Sequence[ShotRow], frame: int, *, back: bool = False) ->
     if back:
         return max((i for i in found if rows[i].range.start < frame), default=-1)
     return min((i for i in found if rows[i].range.start > frame), default=-1)
+
+
+def next_cut(rows: Sequence[ShotRow], frame: int, *, back: bool = False) -> int:
+    """The index of the row that begins next after (last before) a programme frame; -1 where none does."""
+    if back:
+        return max((i for i, row in enumerate(rows) if row.range.start < frame), default=-1)
+    return min((i for i, row in enumerate(rows) if row.range.start > frame), default=-1)
+
+
+def short(rows: Sequence[ShotRow]) -> tuple[int, ...]:
+    """The indices of the rows that are over before they are seen: such shots are mostly slips of the hand."""
+    return tuple(i for i, row in enumerate(rows) if len(row.range) < SHORT_FRAMES)
 
 
 def time_text(frame: int, rate: Fraction) -> str:

@@ -138,6 +138,8 @@ def _decided(scene: Any, plan: StripPlan, base: Path) -> list[str]:
     name_channel(scene, plan.programme_channel, "Programme")
     name_channel(scene, plan.centering_channel, "Centering")
     name_channel(scene, plan.conformed_channel, "Conformed")
+    for channel in (plan.centering_channel, plan.conformed_channel):  # all others may be cut or corrected by hand
+        scene.sequence_editor.channels[channel].lock = True
     for number, shot in enumerate(plan.programme, 1):
         lay_shot(scene, number, shot, plan.programme_channel)
     lay_centering(scene, plan.centering_channel, 0, plan.frames)

@@ -22,7 +22,7 @@ from mcsl_core.timing import FrameRange
 from ..core import stale
 from ..core.carry_over import Place, main_part, parts_of, uncovered
 from ..core.strip_plan import FIRST_CAMERA_CHANNEL, make_plan
-from .build import add_conformed_strip, cut_out
+from .build import add_conformed_strip, cut_out, deselect
 from .compat import ends, strips_of
 from .edit import effect_inputs, split_at
 from .films import link_film
@@ -106,6 +106,7 @@ def insert(scene: Any, edl: Edl, pieces: Sequence[ConformedPiece], sound: Path |
     yield from renew(scene, pieces, channel, base)
     if sound is not None:
         renew_sound(scene, make_plan(edl, (), sound), base)
+    deselect(scene)
     yield 1.0
 
 

@@ -16,7 +16,7 @@ from ..core.field import to_text
 from ..core.multicam import Switch
 from ..core.read_overrides import AUTOMATIC
 from ..core.revert import Setting
-from .compat import selected_strips
+from .compat import ends, selected_strips, set_ends, strips_of
 from .scene_properties import CENTRE, DRAWN_FIELDS, DRAWN_UPON, GIVEN_NAME, LOOK_FOR_ALL, LOOK_OF_SHOT, given_name
 
 HIGHEST_CHANNEL = 128  # Blender has no more
@@ -120,6 +120,20 @@ def apply_switch(scene: Any, change: Switch) -> list[Any]:
     strip.select = True
     scene.sequence_editor.active_strip = strip
     return parts
+
+
+def join(scene: Any, groups: Iterable[Sequence[str]]) -> int:
+    """The first strip of each group lasts to the end of its last, the others go; how many cuts that takes away."""
+    strips = {strip.name: strip for strip in strips_of(scene, "MULTICAM")}
+    joined = 0
+    for group in groups:
+        first, *others = (strips[name] for name in group)
+        start, stop = ends(first)[0], ends(others[-1])[1]
+        for strip in others:
+            scene.sequence_editor.strips.remove(strip)
+        set_ends(first, start, stop)
+        joined += len(others)
+    return joined
 
 
 def apply_settings(scene: Any, settings: Mapping[str, Sequence[Setting]], look: Look) -> None:

@@ -135,6 +135,7 @@ class MCSL_State(bpy.types.PropertyGroup):
         name="Shot", description="Click to go to the shot", update=_go_there, options={"SKIP_SAVE"}
     )
     overrides: bpy.props.IntProperty()
+    short_shots: bpy.props.IntProperty()
     outstanding_s: bpy.props.FloatProperty()
     lost_s: bpy.props.FloatProperty()
     problem: bpy.props.StringProperty()

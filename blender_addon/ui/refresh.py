@@ -202,7 +202,7 @@ def _tell(
         return
     state.outstanding_s, state.lost_s = outstanding_s, lost_s
     rows = shot_list.rows_of(edl, decisions)
-    state.overrides = sum(row.overridden for row in rows)
+    state.overrides, state.short_shots = sum(row.overridden for row in rows), len(shot_list.short(rows))
     _list(state.shots, rows, edl.rate)
     job_runner.redraw()
 
@@ -303,7 +303,7 @@ def _loaded(*_: Any) -> None:
     _last.clear()
     state.shots.clear()
     state.notices = ""
-    state.problem, state.outstanding_s, state.lost_s, state.overrides = "", 0.0, 0.0, 0
+    state.problem, state.outstanding_s, state.lost_s, state.overrides, state.short_shots = "", 0.0, 0.0, 0, 0
     for scene in timelines():
         show_recording(scene)
         problem = refresh_timeline(scene)

@@ -11,12 +11,13 @@ import bpy  # pyright: ignore[reportMissingImports]
 from mcsl_core.errors import McslError
 from mcsl_core.timing import FrameRange
 
-from ...core import shot_list
+from ...core import multicam, shot_list
 from ...core.revert import revert
 from ...sequencer import scene_properties
-from ...sequencer.compat import sequencer_scene
-from ...sequencer.edit import apply_settings
+from ...sequencer.compat import sequencer_scene, strips_of
+from ...sequencer.edit import apply_settings, join
 from ...sequencer.read import read_timeline
+from ...sequencer.touched import Work
 from .. import refresh
 from ..translations.lookup import told
 
@@ -51,6 +52,66 @@ class MCSL_OT_go_to_override(bpy.types.Operator):
             self.report({"INFO"}, told("There is no other override"))
             return {"CANCELLED"}
         context.window_manager.mcsl_state.active_shot = index
+        return {"FINISHED"}
+
+
+class MCSL_OT_go_to_cut(bpy.types.Operator):
+    """Go to the next cut of the programme"""
+
+    bl_idname = "mcsl.go_to_cut"
+    bl_label = "Go to Cut"
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    direction: bpy.props.EnumProperty(
+        name="Direction",
+        items=[("NEXT", "Next", "Later than the playhead"), ("BACK", "Previous", "Before the playhead")],
+    )
+
+    @classmethod
+    def poll(cls, context):
+        return scene_properties.has_timeline(sequencer_scene(context))
+
+    @classmethod
+    def description(cls, context, properties):
+        if properties.direction == "BACK":
+            return told("Go to the previous cut of the programme")
+        return told("Go to the next cut of the programme")
+
+    def execute(self, context):
+        frame = sequencer_scene(context).frame_current - 1
+        index = shot_list.next_cut(refresh.rows(), frame, back=self.direction == "BACK")
+        if index < 0:
+            self.report({"INFO"}, told("There is no other cut"))
+            return {"CANCELLED"}
+        context.window_manager.mcsl_state.active_shot = index
+        return {"FINISHED"}
+
+
+class MCSL_OT_join(bpy.types.Operator):
+    """Take away cuts that nobody sees: between neighbouring strips of one camera that say the same"""
+
+    bl_idname = "mcsl.join"
+    bl_label = "Join Through-Edits"
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return scene_properties.has_timeline(sequencer_scene(context))
+
+    def execute(self, context):
+        scene = sequencer_scene(context)
+        try:
+            state, work = read_timeline(scene), Work(scene)
+        except McslError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        touched = {strip.name for strip in strips_of(scene, "MULTICAM") if work.on(strip)}
+        count = join(scene, multicam.through_edits(state.strips, touched))
+        if not count:
+            self.report({"INFO"}, told("There is no such cut"))
+            return {"CANCELLED"}
+        refresh.refresh_timeline(scene)
+        self.report({"INFO"}, told("{count} cuts taken away").format(count=count))
         return {"FINISHED"}
 
 
@@ -103,4 +164,4 @@ class MCSL_OT_revert(bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (MCSL_OT_go_to_override, MCSL_OT_revert)
+CLASSES = (MCSL_OT_go_to_override, MCSL_OT_go_to_cut, MCSL_OT_join, MCSL_OT_revert)

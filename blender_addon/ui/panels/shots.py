@@ -24,6 +24,8 @@ class MCSL_UL_shots(bpy.types.UIList):
         split.label(text=item.camera, translate=False)
         right = split.row()
         right.alignment = "RIGHT"
+        if item.stop - item.start < shot_list.SHORT_FRAMES:
+            right.label(text="", icon="ERROR")
         if item.overridden:
             right.label(text="", icon="DECORATE_OVERRIDE")
         else:
@@ -59,6 +61,13 @@ class MCSL_PT_shots(TimelinePanel, bpy.types.Panel):
         for number, name in enumerate(_camera_names(scene), 1):
             button = flow.operator("mcsl.switch_camera", text=name, translate=False)
             button.number, button.camera = number, name
+        if count := state.short_shots:
+            text = shown("{count} shots under {frames} frames")
+            wrapped(layout, text.format(count=count, frames=shot_list.SHORT_FRAMES), "ERROR")
+        row = layout.row(align=True)
+        row.operator("mcsl.go_to_cut", text="", icon="TRIA_LEFT_BAR").direction = "BACK"
+        row.operator("mcsl.join")
+        row.operator("mcsl.go_to_cut", text="", icon="TRIA_RIGHT_BAR").direction = "NEXT"
         row = layout.row(align=True)
         row.operator("mcsl.go_to_override", text="", icon="PREV_KEYFRAME").direction = "BACK"
         middle = row.row()

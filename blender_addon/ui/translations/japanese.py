@@ -71,6 +71,17 @@ JAPANESE: dict[str, str] = {
     "Show Plugins": "プラグインを表示",
     "Build Timeline from EDL...": "EDL からタイムラインを作成...",
     "Build Proxies": "プロキシを作成",
+    "Go to Cut": "カット点へ移動",
+    "Go to the next cut of the programme": "プログラムの次のカット点へ移動",
+    "Go to the previous cut of the programme": "プログラムの前のカット点へ移動",
+    "There is no other cut": "ほかにカット点はありません",
+    "Join Through-Edits": "スルーエディットを結合",
+    "Take away cuts that nobody sees: between neighbouring strips of one camera that say the same": (
+        "見えないカットを取り除きます。同じカメラ・同じ設定で隣り合うストリップの間です"
+    ),
+    "There is no such cut": "該当するカットはありません",
+    "{count} cuts taken away": "カットを {count} 個取り除きました",
+    "{count} shots under {frames} frames": "{frames} フレーム未満のショットが {count} 個あります",
     "Pull Overrides into EDL": "手動変更を EDL に書き込む",
     "Switch Camera": "カメラを切り替え",
     "Go to Override": "手動変更へ移動",

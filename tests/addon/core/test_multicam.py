@@ -9,7 +9,7 @@ from builders import CAMERAS, small_edl, state_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from blender_addon.core.multicam import Switch, deciding, overridden, shown_cameras, switch
+from blender_addon.core.multicam import Switch, deciding, overridden, shown_cameras, switch, through_edits
 from blender_addon.core.read_overrides import AUTOMATIC, FoundStrip, SequencerState, read_edl
 from blender_addon.core.strip_plan import make_plan
 from mcsl_core.edl import Edl, Override
@@ -156,3 +156,42 @@ def test_pressing_keys_is_the_same_as_cutting_frame_by_frame(presses):
     yellow = marked(edl, state)
     for strip in state.strips:
         assert (strip.name in yellow) == any(differs[strip.start : strip.stop])
+
+
+def strip(name: str, start: int, stop: int, source: int = 3, **said) -> FoundStrip:
+    return FoundStrip(name, said.pop("channel", TOP), start, stop, source, **said)
+
+
+def test_cuts_that_nobody_sees_are_those_between_strips_that_say_the_same():
+    strips = [
+        strip("c", 20, 30),
+        strip("a", 0, 10),
+        strip("b", 10, 20),
+        strip("other camera", 30, 40, source=4),
+        strip("other look", 40, 50, source=4, fill=False),
+        strip("same look", 50, 60, source=4, fill=False),
+        strip("after a gap", 70, 80, source=4, fill=False),
+        strip("above", 80, 90, source=4, fill=False, channel=TOP + 1),
+    ]
+    assert through_edits(strips) == (("a", "b", "c"), ("other look", "same look"))
+    assert through_edits(strips, {"b"}) == (("other look", "same look"),)
+    assert through_edits([attrs.evolve(s, muted=True) for s in strips]) == ()
+
+
+@settings(max_examples=30, deadline=None)
+@given(frames=st.lists(st.integers(1, 299), unique=True, max_size=8))
+def test_joined_a_timeline_decides_what_it_decided(frames):
+    edl = small_edl()
+    state = built(edl)
+    for frame in frames:
+        at = deciding(state.strips, frame)
+        assert at is not None
+        if at.start < frame:
+            state = done(state, Switch(at.name, at.source, frame))
+    groups = through_edits(state.strips)
+    by_name = {s.name: s for s in state.strips}
+    kept = [attrs.evolve(by_name[g[0]], stop=by_name[g[-1]].stop) for g in groups]
+    gone = {name for group in groups for name in group}
+    joined = attrs.evolve(state, strips=(*(s for s in state.strips if s.name not in gone), *kept))
+    assert read_edl(edl, joined) == read_edl(edl, state) == edl
+    assert len(joined.strips) == len(edl.shots)

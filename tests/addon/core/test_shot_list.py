@@ -139,3 +139,12 @@ def test_only_what_lies_between_rows_that_stay_is_filled_anew(before, now):
     if first < min(len(before), len(now)) - after:  # as many as there are
         assert before[first] != now[first]
         assert before[-1 - after] != now[-1 - after]
+
+
+def test_from_cut_to_cut_and_shots_too_short_to_be_seen():
+    rows = shot_list.rows_of(small_edl(overrides=(Override(R(150, 159), camera="cam3"),)))
+    assert [row.range for row in rows] == [R(0, 100), R(100, 150), R(150, 159), R(159, 200), R(200, 300)]
+    assert [shot_list.next_cut(rows, frame) for frame in (0, 99, 100, 158, 200, 299)] == [1, 1, 2, 3, -1, -1]
+    assert [shot_list.next_cut(rows, frame, back=True) for frame in (0, 1, 100, 101, 299)] == [-1, 0, 0, 1, 4]
+    assert shot_list.short(rows) == (2,)
+    assert shot_list.short(shot_list.rows_of(small_edl(overrides=(Override(R(150, 160), camera="cam3"),)))) == ()
