@@ -15,6 +15,7 @@ _MODULES = (
     "ui.operators.multicam",
     "ui.panels",
     "ui.refresh",
+    "ui.override_marks",
     "ui.render_guard",
 )
 

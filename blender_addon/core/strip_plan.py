@@ -16,7 +16,7 @@ import json
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
-from itertools import groupby, pairwise
+from itertools import groupby
 from math import ceil
 from pathlib import Path
 from typing import Any
@@ -31,6 +31,7 @@ from mcsl_core.edl.resolve import Decision, DecisionsByPose, resolve, resolve_by
 from mcsl_core.timing import FrameRange, merge_equal
 
 from .camera_places import corrected, planned_transform
+from .markers import MarkerPlan, markers_of
 from .moving import TransformKey, followed_ranges, moving_keys
 from .similarity import Transform
 
@@ -72,16 +73,20 @@ class CameraFile:
 
 @frozen
 class CameraTrack:
-    """A camera's channel."""
+    """A camera's channel. key: the number key that shows it."""
 
     camera: str
     channel: int
     files: tuple[CameraFile, ...]
+    key: int = 0
 
 
 @frozen
 class ProgrammeStrip:
-    """One Multicam strip: a stretch of the programme as the EDL has it now, overrides included."""
+    """One Multicam strip: a stretch of the programme as the EDL has it now, overrides included.
+
+    key: the number key of its camera.
+    """
 
     id: str
     range: FrameRange
@@ -89,6 +94,7 @@ class ProgrammeStrip:
     source: int
     automatic: str
     overridden: bool
+    key: int = 0
 
 
 @frozen
@@ -107,14 +113,6 @@ class SoundPiece:
 
     path: str
     start: int
-
-
-@frozen
-class MarkerPlan:
-    """A marker and its text."""
-
-    frame: int
-    name: str
 
 
 @frozen
@@ -168,7 +166,7 @@ def make_plan(edl: Edl, conformed: Iterable[ConformedPiece] = (), sound: Path | 
         centering=offset_keys(edl),
         conformed_channel=programme_channel + 2,
         conformed=tuple(sorted(conformed, key=lambda piece: piece.range)),
-        markers=_markers(edl),
+        markers=markers_of(edl),
         automatic=automatic_cameras(edl),
         notes=tuple(
             f"{c.name} runs at {float(c.rate):.3f} frames/s, the programme at {float(edl.rate):.3f}: "
@@ -182,7 +180,21 @@ def make_plan(edl: Edl, conformed: Iterable[ConformedPiece] = (), sound: Path | 
 def camera_tracks(edl: Edl) -> tuple[CameraTrack, ...]:
     """The cameras' channels, the reference camera last."""
     order = [c for c in edl.cameras if c.name != edl.reference] + [edl.camera(edl.reference)]
-    return tuple(CameraTrack(c.name, channel, _files(edl, c)) for channel, c in enumerate(order, FIRST_CAMERA_CHANNEL))
+    keys = key_numbers(edl)
+    return tuple(
+        CameraTrack(c.name, channel, _files(edl, c), keys[c.name])
+        for channel, c in enumerate(order, FIRST_CAMERA_CHANNEL)
+    )
+
+
+def key_numbers(edl: Edl) -> dict[str, int]:
+    """Which number key shows a camera: key n is the EDL's n-th."""
+    return {camera.name: number for number, camera in enumerate(edl.cameras, 1)}
+
+
+def strip_name(number: int | str, camera: str, key: int) -> str:
+    """What a Programme strip is called: the number of its shot, its camera, and that camera's key."""
+    return f"{number}: {camera} [{key}]"
 
 
 def automatic_cameras(edl: Edl) -> tuple[tuple[FrameRange, str], ...]:
@@ -293,7 +305,7 @@ def _without(start: int, stop: int, gaps: Iterable[FrameRange]) -> list[tuple[in
 
 
 def _programme(edl: Edl, channels: dict[str, int]) -> tuple[ProgrammeStrip, ...]:
-    shots = iter(edl.shots)
+    shots, keys = iter(edl.shots), key_numbers(edl)
     shot = next(shots)
     strips = []
     for stretch, decision in resolve(edl):
@@ -307,6 +319,7 @@ def _programme(edl: Edl, channels: dict[str, int]) -> tuple[ProgrammeStrip, ...]
                 source=channels[decision.camera],
                 automatic=shot.camera,
                 overridden=decision.overridden,
+                key=keys[decision.camera],
             )
         )
     return tuple(strips)
@@ -367,15 +380,3 @@ class Centring:
 
     on: bool
     decision: Decision = field(eq=lambda d: (d.offset, d.eases))
-
-
-def _markers(edl: Edl) -> tuple[MarkerPlan, ...]:
-    markers = []
-    for movement in edl.movements:
-        markers.append(MarkerPlan(movement.range.start, "lamp moves"))
-        if movement.range.stop < edl.frames:
-            markers.append(MarkerPlan(movement.range.stop, "lamp stands"))
-    for before, after in pairwise(edl.poses):
-        if after.perspective != before.perspective:
-            markers.append(MarkerPlan(after.range.start, f"new perspective {after.perspective}"))
-    return tuple(sorted(markers, key=lambda m: (m.frame, m.name)))

@@ -13,11 +13,19 @@ from mcsl_core.timing import FrameRange
 
 from ..core.carry_over import Place, uncovered
 from ..core.mirrored import is_mirrored
-from ..core.strip_plan import AUDIO_CHANNEL, CameraTrack, ProgrammeStrip, StripPlan, automatic_to_text, tracks_key
+from ..core.strip_plan import (
+    AUDIO_CHANNEL,
+    CameraTrack,
+    ProgrammeStrip,
+    StripPlan,
+    automatic_to_text,
+    strip_name,
+    tracks_key,
+)
 from .camera_keys import place_camera
 from .centering_keys import set_centering_keys
 from .compat import ends, new_effect
-from .edit import OVERRIDDEN_COLOUR, check_there, split_strip
+from .edit import check_there, set_colour, split_strip
 from .scene_properties import (
     AUTOMATIC_CAMERA,
     CAMERA,
@@ -84,6 +92,7 @@ def build_camera(scene: Any, track: CameraTrack, base: Path, kept: Sequence[tupl
             continue
         strip = lay_movie(scene, track.camera, base / file.path, track.channel, file.start)
         strip[MARK], strip[CAMERA] = "camera", track.camera
+        set_colour(strip, track.key)
         start, stop = ends(strip)
         if stop - start != file.frames:
             notes.append(f"{track.camera}: {file.path} has {file.frames} frames, Blender counts {stop - start}")
@@ -154,7 +163,7 @@ def _decided(scene: Any, plan: StripPlan, base: Path) -> list[str]:
 
 def lay_shot(scene: Any, number: int, shot: ProgrammeStrip, channel: int, span: FrameRange | None = None) -> None:
     """The Multicam strip of a shot, or of that part of it."""
-    name = f"{number}: {shot.camera}"  # a name of its own: Blender's search for a free .001 is slow
+    name = strip_name(number, shot.camera, shot.key)  # a name of its own: Blender's search for a free .001 is slow
     span = span or shot.range
     strip = new_effect(scene, name, "MULTICAM", channel, span.start, span.stop)
     strip[GIVEN_NAME] = name
@@ -165,8 +174,7 @@ def set_shot(strip: Any, shot: ProgrammeStrip) -> None:
     """A Programme strip shows ``shot``; its name and whatever an editor gave it stay."""
     strip.multicam_source = shot.source
     strip[MARK], strip[SHOT_ID], strip[AUTOMATIC_CAMERA] = "programme", shot.id, shot.automatic
-    if strip.color_tag in ("NONE", OVERRIDDEN_COLOUR):
-        strip.color_tag = OVERRIDDEN_COLOUR if shot.overridden else "NONE"
+    set_colour(strip, shot.key, overridden=shot.overridden)
 
 
 def lay_centering(scene: Any, channel: int, start: int, stop: int) -> None:

@@ -16,11 +16,22 @@ from ..core.field import to_text
 from ..core.multicam import Switch
 from ..core.read_overrides import AUTOMATIC
 from ..core.revert import Setting
+from ..core.strip_plan import strip_name
 from .compat import ends, selected_strips, set_ends, strips_of
-from .scene_properties import CENTRE, DRAWN_FIELDS, DRAWN_UPON, GIVEN_NAME, LOOK_FOR_ALL, LOOK_OF_SHOT, given_name
+from .scene_properties import (
+    CENTRE,
+    DRAWN_FIELDS,
+    DRAWN_UPON,
+    GIVEN_COLOUR,
+    GIVEN_NAME,
+    LOOK_FOR_ALL,
+    LOOK_OF_SHOT,
+    given_name,
+)
 
 HIGHEST_CHANNEL = 128  # Blender has no more
 OVERRIDDEN_COLOUR = "COLOR_03"  # yellow: an editor's decision
+CAMERA_COLOURS = tuple(f"COLOR_0{n}" for n in (5, 4, 6, 8, 7, 1, 2, 9))  # by key: blue, green, ...
 
 
 def check_there(path: Path) -> None:
@@ -32,8 +43,19 @@ def check_there(path: Path) -> None:
 
 
 def split_strip(strip: Any, frame: int) -> Any:
-    """The right part of ``strip`` cut at a programme frame; ``strip`` keeps the left."""
-    right = strip.split(frame=frame + 1, split_method="SOFT")
+    """The right part of ``strip`` cut at a programme frame; ``strip`` keeps the left. Locked, both parts are."""
+    channel = (strip.parent_meta() or strip.id_data.sequence_editor).channels[strip.channel]
+    locked = [owner for owner in (channel, strip) if owner.lock]
+    right = None
+    for owner in locked:  # a lock is for hands, and Blender minds it here as well
+        owner.lock = False
+    try:
+        right = strip.split(frame=frame + 1, split_method="SOFT")
+    finally:
+        for owner in locked:
+            owner.lock = True
+        if right is not None and strip.lock:
+            right.lock = True
     if right is None:
         raise BlenderError(f"strip {strip.name!r} cannot be split at frame {frame + 1}")
     return right
@@ -176,22 +198,36 @@ def _clear_decisions(strip: Any) -> None:
         strip.pop(name, None)
 
 
-def label_strips(strips: Iterable[Any], overridden: frozenset[str], cameras: Mapping[str, str]) -> dict[str, str]:
-    """Yellow for the ``overridden`` of these Multicam strips, none for the others, and the camera in their names.
+def colour_is_ours(strip: Any) -> bool:
+    """Whether no editor gave the strip a colour."""
+    return strip.color_tag in ("NONE", OVERRIDDEN_COLOUR, strip.get(GIVEN_COLOUR))
 
-    cameras: what each strip shows, by its name. An editor's own colours and names stay. Returns what was renamed:
-    old -> new.
+
+def set_colour(strip: Any, key: int, *, overridden: bool = False) -> None:
+    """The colour of the camera with that key, or of an override; an editor's own stays."""
+    wanted = OVERRIDDEN_COLOUR if overridden else CAMERA_COLOURS[(key - 1) % len(CAMERA_COLOURS)]
+    if strip.color_tag != wanted and colour_is_ours(strip):
+        strip.color_tag = strip[GIVEN_COLOUR] = wanted
+
+
+def label_strips(
+    strips: Iterable[Any], overridden: frozenset[str], cameras: Mapping[str, str], keys: Mapping[str, int]
+) -> dict[str, str]:
+    """Yellow for the ``overridden`` of these Multicam strips, for the others their camera's colour, and their names.
+
+    cameras: what each strip shows, by its name; keys: the number key of each camera. An editor's own colours and names
+    stay. Returns what was renamed: old -> new.
     """
     renamed = {}
     for strip in strips:
         name = strip.name
-        wanted = OVERRIDDEN_COLOUR if name in overridden else "NONE"
-        if strip.color_tag != wanted and strip.color_tag in ("NONE", OVERRIDDEN_COLOUR):
-            strip.color_tag = wanted
+        key = keys.get(cameras.get(name, ""), 0)
+        if key or name in overridden:
+            set_colour(strip, key, overridden=name in overridden)
         given = given_name(strip)  # split, it is followed by .001
         if given and name.startswith(given) and name in cameras:
             number = given.partition(":")[0]
-            if (now := f"{number}: {cameras[name]}") != given:
+            if (now := strip_name(number, cameras[name], key)) != given:
                 strip.name = strip[GIVEN_NAME] = now
                 renamed[name] = strip.name
     return renamed

@@ -23,6 +23,7 @@ from .scene_properties import (
     CENTRE,
     DRAWN_FIELDS,
     DRAWN_UPON,
+    GIVEN_COLOUR,
     GIVEN_NAME,
     LOOK_FOR_ALL,
     LOOK_OF_SHOT,
@@ -36,7 +37,7 @@ from .scene_properties import (
 )
 from .transforms import NUMBERS, transform_from_numbers
 
-_BUILT = {MARK, SHOT_ID, AUTOMATIC_CAMERA, GIVEN_NAME}
+_BUILT = {MARK, SHOT_ID, AUTOMATIC_CAMERA, GIVEN_COLOUR, GIVEN_NAME}
 FARTHEST_PX = 1e7  # what no transform or centre of a picture reaches
 
 

@@ -15,7 +15,7 @@ from mcsl_core.errors import InputError
 from mcsl_core.timing import FrameRange
 
 from ..core.carry_over import Part, Place, main_part, parts_of, uncovered
-from ..core.strip_plan import FIRST_CAMERA_CHANNEL, CameraTrack, StripPlan, automatic_to_text, tracks_key
+from ..core.strip_plan import FIRST_CAMERA_CHANNEL, CameraTrack, StripPlan, automatic_to_text, strip_name, tracks_key
 from . import conformed
 from .build import build_camera, deselect, lay_centering, lay_shot, name_channel, set_shot
 from .camera_keys import follow_movements, place_camera
@@ -157,7 +157,7 @@ def _programme(scene: Any, plan: StripPlan, kept: Sequence[Any]) -> None:
         for part, place in _cut(scene, strip, places):
             number, shot = place.value
             if not his_name:
-                part.name = part[GIVEN_NAME] = f"{number}: {shot.camera}"
+                part.name = part[GIVEN_NAME] = strip_name(number, shot.camera, shot.key)
             set_shot(part, shot)
     for span, place in uncovered(places, spans):
         number, shot = place.value

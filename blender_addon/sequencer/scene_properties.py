@@ -57,6 +57,7 @@ CAMERA = "mcsl_camera"  # camera strip: whose file it plays
 PLANNED_TRANSFORM = "mcsl_planned"  # camera strip: its transform without any correction
 FOLLOWS = "mcsl_follows"  # camera strip over a movement: a hash of the keys it was given; others are the editor's
 SHOT_ID = "mcsl_id"  # Programme strip
+GIVEN_COLOUR = "mcsl_tag"  # camera, Programme strip: the colour it was given here; another one is the editor's
 GIVEN_NAME = "mcsl_name"  # Programme strip: the name it was given here; another one is the editor's
 LOOK_OF_SHOT = {  # Programme strip: a part of the look that was switched for this shot
     "centering": "mcsl_centering",

@@ -11,19 +11,18 @@ from collections.abc import Iterable, Iterator
 from operator import attrgetter
 from typing import Any
 
-from .edit import OVERRIDDEN_COLOUR, curves_of, effect_inputs
+from .edit import colour_is_ours, curves_of, effect_inputs
 from .scene_properties import CAMERA, FALLEN, FOLLOWS, MARK, given_name, role_of
 from .transforms import NUMBERS
 
 # What is not work on a strip: where it lies, what it shows (decisions, read elsewhere), how the window shows it.
 _PLACE = re.compile(
-    r"rna_type|type|name|channel|select.*|frame_.*|(left|right)_handle.*|content_.*|duration|elements|fps"
+    r"rna_type|type|name|channel|select.*|frame_.*|(left|right)_handle.*|content_.*|duration|elements|fps|color_tag"
 )
 _SHOWN = re.compile(
     r"multicam_source|filepath|sound|show_waveform|.*_ptr|input_.*|stream_index|views_format|mute|use_proxy"
 )
 _BUILT: dict[str, Any] = {  # as built, where it is not Blender's default
-    "color_tag": ("NONE", OVERRIDDEN_COLOUR),
     "blend_type": ("REPLACE", "CROSS", "ALPHA_OVER"),  # of effects; films are laid with REPLACE
     "use_default_fade": (True, False),  # effects and films differ; a fade of the editor's own has keys
     "pitch_correction": (True,),
@@ -53,6 +52,8 @@ class Work:
             yield "mute"
         if not _is_given(strip, role):
             yield "name"
+        if not colour_is_ours(strip):
+            yield "color_tag"
         if strip.name in self._inputs:
             yield "effect strip"
         if paths := self._animated.get(strip.name, set()) - _keyed(strip, role):

@@ -26,7 +26,7 @@ from mcsl_core.timing import FrameRange
 from ..core import multicam, shot_list
 from ..core.moving import followed_ranges
 from ..core.read_overrides import FoundStrip, SequencerState, read_edl
-from ..core.strip_plan import camera_tracks, centred, offset_keys
+from ..core.strip_plan import camera_tracks, centred, key_numbers, offset_keys
 from ..sequencer import conformed, scene_properties
 from ..sequencer.camera_keys import follow_movements
 from ..sequencer.centering_keys import keyed_by_hand, set_centering_keys
@@ -113,7 +113,7 @@ def _bring_in_line(scene: Any, cut: tuple[FoundStrip, Sequence[Any]] | None = No
             state = read_timeline(scene)
         elif held.changed:
             state = attrs.evolve(state, films=read_films(scene))
-        state = multicam.with_names(state, _label(scene, state, decisions, None if cut is None else cut[1]))
+        state = multicam.with_names(state, _label(scene, edl, state, decisions, None if cut is None else cut[1]))
         _last[scene.name] = _Refreshed(edl, source, state, centring)
     except McslError as error:
         _tell(scene, problem=str(error))
@@ -132,13 +132,15 @@ def _after(last: _Refreshed | None, was: FoundStrip, parts: Sequence[Any]) -> Se
     return multicam.replaced(last.state, was, [read_shot(part) for part in parts])
 
 
-def _label(scene: Any, state: SequencerState, decisions: Decisions, only: Sequence[Any] | None) -> dict[str, str]:
+def _label(
+    scene: Any, edl: Edl, state: SequencerState, decisions: Decisions, only: Sequence[Any] | None
+) -> dict[str, str]:
     """Colours and names follow the decisions, of ``only`` those strips where that is enough; old name -> new."""
     strips = strips_of(scene, "MULTICAM") if only is None else only
     names = {strip.name for strip in strips}
     found = [strip for strip in state.strips if strip.name in names]
     shown = multicam.shown_cameras(attrs.evolve(state, strips=tuple(found)))
-    return label_strips(strips, multicam.overridden(decisions, found), shown)
+    return label_strips(strips, multicam.overridden(decisions, found), shown, key_numbers(edl))
 
 
 def _notice(scene: Any) -> None:
@@ -241,6 +243,11 @@ def show_recording(scene: Any) -> None:
         item.name = camera.name
         item.files = "\n".join(str(base.parent / media.path) for media in camera.media)
     work.reference, work.edl = edl.reference, scene[scene_properties.EDL_PATH]
+
+
+def listed() -> tuple[shot_list.ShotRow, ...]:
+    """The list of shots as the panel was last filled: for drawing, which must not read it from there every time."""
+    return _listed[1]
 
 
 def rows() -> tuple[shot_list.ShotRow, ...]:

@@ -42,11 +42,13 @@ SAVED = {  # in .blend files that editors have: never to be renamed
     "mcsl_overrides",
     "mcsl_placed",
     "mcsl_planned",
+    "mcsl_proxies",
     "mcsl_recording",
     "mcsl_see_through",
     "mcsl_silent",
     "mcsl_sound",
     "mcsl_surface",
+    "mcsl_tag",
     "mcsl_tracks",
 }
 

@@ -28,7 +28,7 @@ def shots():
     """[start, stop, source, whether it has the colour of an override] of every Multicam strip."""
     strips = [s for s in scene().sequence_editor.strips if s.type == "MULTICAM"]
     return sorted(
-        [int(s.left_handle) - 1, int(s.right_handle) - 1, s.multicam_source, s.color_tag != "NONE"] for s in strips
+        [int(s.left_handle) - 1, int(s.right_handle) - 1, s.multicam_source, s.color_tag == "COLOR_03"] for s in strips
     )
 
 

@@ -93,15 +93,19 @@ def test_camera_strips_are_split_at_poses_and_leave_gaps_out():
 def test_markers():
     homographies = dict.fromkeys(CAMERAS, IDENTITY)
     edl = small_edl(
-        movements=(Movement(R(100, 140)), Movement(R(280, 300))),
-        poses=(Pose(R(0, 120), homographies), Pose(R(120, 300), homographies, perspective=1)),
+        movements=(Movement(R(100, 140)), Movement(R(150, 180)), Movement(R(280, 300))),
+        poses=(Pose(R(0, 160), homographies), Pose(R(160, 300), homographies, perspective=1)),
     )
     assert [(m.frame, m.name) for m in make_plan(edl).markers] == [
-        (100, "lamp moves"),
-        (120, "new perspective 1"),
-        (140, "lamp stands"),
-        (280, "lamp moves"),
+        (100, ""),
+        (140, "lamp moved"),
+        (150, ""),
+        (160, ""),
+        (180, "perspective 1"),
+        (280, "lamp moved"),  # it does not come to rest
     ]
+    alone = attrs.evolve(edl, movements=())
+    assert [(m.frame, m.name) for m in make_plan(alone).markers] == [(160, "perspective 1")]
 
 
 def test_centering_keys_are_the_edls_own_where_it_is_always_on():

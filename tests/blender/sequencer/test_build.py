@@ -62,7 +62,7 @@ def test_channels_and_strips_as_planned(built, blender):
         [45, 4, "shot-0000045", "cam3"],
         [50, 3, "shot-0000050", "cam3"],
     ]
-    assert found["markers"] == [[28, "lamp moves"], [30, "new perspective 1"], [32, "lamp stands"]]
+    assert found["markers"] == [[28, ""], [30, ""], [32, "perspective 1"]]
 
 
 def test_settings_and_relative_paths(built, blender):

@@ -34,8 +34,8 @@ def test_work_that_would_not_be_seen_or_kept(built, blender):
     """
     notes = told(built, blender, code)
     for text in (
-        "strip '2: cam2', frame 21 is muted and decides nothing: your work on it (modifiers) goes",
-        "strip '1: cam1', frame 1: your work on it (modifiers) is hidden by the exact pictures",
+        "strip '2: cam2 [2]', frame 21 is muted and decides nothing: your work on it (modifiers) goes",
+        "strip '1: cam1 [1]', frame 1: your work on it (modifiers) is hidden by the exact pictures",
         "channel 7, Conformed, is muted",
     ):
         assert len([note for note in notes if text in note]) == 1

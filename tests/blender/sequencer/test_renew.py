@@ -44,6 +44,7 @@ def test_a_conformed_strip_muted_or_graded_by_hand(built, blender):
     refreshed(built, blender, [(0, 30, "aa"), (30, FRAMES, "aa")])
     code = """
         at(7, 0).mute = True
+        scene.sequence_editor.channels[7].lock = False  # as a person does to cut there
         part = at(7, 30).split(frame=41, split_method="SOFT")
         part.modifiers.new("grade", "BRIGHT_CONTRAST").bright = 20
         part.blend_alpha = 0.5
@@ -91,10 +92,10 @@ def test_the_programme_and_centering_keep_grades_names_and_colours(built, blende
     refreshed(built, blender)
     found = listed(built, blender, "programme")
     assert [s[:2] + s[6:] for s in found] == [
-        [0, 20, 0, 1, "NONE"],
-        [20, 30, 1, 0.75, "NONE"],
+        [0, 20, 0, 1, "COLOR_05"],  # a camera's
+        [20, 30, 1, 0.75, "COLOR_04"],
         [30, 40, 1, 0.75, "COLOR_03"],
-        [40, 45, 0, 1, "NONE"],
+        [40, 45, 0, 1, "COLOR_06"],
         [45, 50, 0, 1, "COLOR_03"],
         [50, FRAMES, 0, 1, "COLOR_04"],
     ]

@@ -47,7 +47,7 @@ for s in sorted((s for s in strips if s.type == "MULTICAM"), key=span):
     ("code", "match"),
     [
         (RIPPLE, "frame 31: stands 10 frames earlier than it was recorded.*cannot be cut"),
-        (SHOTS_ALONE, r"strip '4: cam1', frame 41: and the 1 after it stand 5 frames earlier"),
+        (SHOTS_ALONE, r"strip '4: cam1 \[1\]', frame 41: and the 1 after it stand 5 frames earlier"),
         ("for s in strips: s.select = True\nbpy.ops.sequencer.gap_insert(frames=7)", "stands 7 frames later"),
         ("at(3, 10).frame_start += 2", r"camera strip 'cam3', frame 3: stands 2 frames later"),
         ("s = at(3, 10); a, b = span(s); s.frame_start += 2; cut(s, a, b)", "frame 1: stands 2 frames later"),

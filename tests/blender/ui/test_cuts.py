@@ -42,7 +42,7 @@ STANDS = """
     out = {
         "shown": merged([*span(s), s.multicam_source] for s in shots),
         "yellow": [span(s) for s in shots if s.color_tag == "COLOR_03"],
-        "plain": [span(s) for s in shots if s.color_tag == "NONE"],
+        "plain": [span(s) for s in shots if s.color_tag != "COLOR_03"],
         "keys": keys,
         "markers": sorted((m.frame, m.name) for m in scene.timeline_markers),
         "cameras": sorted([*span(s), s.channel, list(s.transform.offset_x for _ in "1")]

@@ -152,5 +152,5 @@ def test_strips_are_named_after_the_camera_they_show_unless_the_editor_named_the
     """
     )
     before, after = in_blender(blender, built, code, save=False)
-    assert before == ["1: cam1", "2: cam2", "3: cam3", "4: cam1", "5: cam3"]
-    assert after == ["1: cam1", "1: cam2", "2: cam2", "look here", "4: cam1", "5: cam3"]
+    assert before == ["1: cam1 [1]", "2: cam2 [2]", "3: cam3 [3]", "4: cam1 [1]", "5: cam3 [3]"]
+    assert after == ["1: cam1 [1]", "1: cam2 [2]", "2: cam2 [2]", "look here", "4: cam1 [1]", "5: cam3 [3]"]
