@@ -122,9 +122,9 @@ def overridden(decisions: Decisions, strips: Iterable[FoundStrip]) -> frozenset[
 
 def replaced(state: SequencerState, was: FoundStrip, parts: Sequence[FoundStrip]) -> SequencerState | None:
     """``state`` with ``parts`` in place of the strip ``was``; None where there is no such strip in it."""
-    if was not in state.strips:
+    at = next((index for index, strip in enumerate(state.strips) if strip.name == was.name), None)
+    if at is None or state.strips[at] != was:
         return None
-    at = state.strips.index(was)
     return attrs.evolve(state, strips=in_order((*state.strips[:at], *parts, *state.strips[at + 1 :])))
 
 
@@ -133,7 +133,7 @@ def with_names(state: SequencerState, renamed: Mapping[str, str]) -> SequencerSt
     if not renamed:
         return state
     strips = (attrs.evolve(s, name=renamed[s.name]) if s.name in renamed else s for s in state.strips)
-    return attrs.evolve(state, strips=in_order(strips))
+    return attrs.evolve(state, strips=tuple(strips))
 
 
 def shown_cameras(state: SequencerState) -> dict[str, str]:

@@ -133,6 +133,9 @@ def resolve_by_pose(edl: Edl, decisions: Decisions | None = None) -> DecisionsBy
     for piece, decision in resolve(edl) if decisions is None else decisions:
         while edl.poses[pose_index].range.stop <= piece.start:
             pose_index += 1
+        if piece.stop <= edl.poses[pose_index].range.stop:
+            found.append((piece, decision, pose_index))
+            continue
         for at in range(pose_index, len(edl.poses)):
             part = piece.intersection(edl.poses[at].range)
             if part is None:

@@ -331,9 +331,10 @@ class Edl:
             require(own is not None, "the reference camera has no homography; it is the identity", own_path)
             require(own == IDENTITY, "the reference camera's own homography must be the identity", own_path)
 
-    def _check_decisions(self) -> None:
-        check_tiles((s.range for s in self.shots), self.frames, "shots")
-        self._check_names((f".shots[{i}].camera", s.camera) for i, s in enumerate(self.shots))
+    def _check_decisions(self, *, of_people_alone: bool = False) -> None:
+        if not of_people_alone:
+            check_tiles((s.range for s in self.shots), self.frames, "shots")
+            self._check_names((f".shots[{i}].camera", s.camera) for i, s in enumerate(self.shots))
         for index, override in enumerate(self.overrides):
             at = f".overrides[{index}]"
             if override.camera is not None:
@@ -368,7 +369,7 @@ class Edl:
         for name, value in decisions.items():
             object.__setattr__(new, name, value)
         attrs.validate(new)
-        new._check_decisions()
+        new._check_decisions(of_people_alone=True)
         return new
 
     def camera(self, name: str) -> Camera:

@@ -9,7 +9,16 @@ from builders import CAMERAS, small_edl, state_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from blender_addon.core.multicam import Switch, deciding, overridden, shown_cameras, switch, through_edits
+from blender_addon.core.multicam import (
+    Switch,
+    deciding,
+    overridden,
+    replaced,
+    shown_cameras,
+    switch,
+    through_edits,
+    with_names,
+)
 from blender_addon.core.read_overrides import AUTOMATIC, FoundStrip, SequencerState, read_edl
 from blender_addon.core.strip_plan import make_plan
 from mcsl_core.edl import Edl, Override
@@ -195,3 +204,17 @@ def test_joined_a_timeline_decides_what_it_decided(frames):
     joined = attrs.evolve(state, strips=(*(s for s in state.strips if s.name not in gone), *kept))
     assert read_edl(edl, joined) == read_edl(edl, state) == edl
     assert len(joined.strips) == len(edl.shots)
+
+
+def test_a_cut_in_what_was_read_is_what_is_read_after_it():
+    state = built(small_edl())
+    was = state.strips[1]
+    left, right = attrs.evolve(was, stop=150), attrs.evolve(was, name="right", start=150, source=4)
+    after = replaced(state, was, [right, left])
+    assert after is not None
+    assert [s.start for s in after.strips] == [0, 100, 150, 200]
+    assert (after.strips[1], after.strips[2]) == (left, right)
+    assert with_names(after, {"right": "new"}).strips[2] == attrs.evolve(right, name="new")
+    assert with_names(after, {}) is after
+    assert replaced(state, attrs.evolve(was, source=9), [left]) is None  # others have changed it since
+    assert replaced(state, attrs.evolve(was, name="gone"), [left]) is None
