@@ -3,15 +3,10 @@
 
 import bpy  # pyright: ignore[reportMissingImports]
 
-from . import analysis, decisions, delivery, field, interchange, look, preview, recording, timeline
+from . import analysis, decisions, delivery, field, interchange, look, preview, proxies, recording, timeline
 
-_PARTS = (recording, analysis, timeline, decisions, look, field, delivery, interchange)
+_PARTS = (recording, analysis, timeline, proxies, decisions, look, field, delivery, interchange)
 CLASSES = tuple(kind for part in _PARTS for kind in part.CLASSES)
-from . import analysis, decisions, delivery, field, look, preview, proxies, recording, timeline
-
-CLASSES = tuple(
-    kind for part in (recording, analysis, timeline, proxies, decisions, look, field, delivery) for kind in part.CLASSES
-)
 
 
 def register() -> None:
