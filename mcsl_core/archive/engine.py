@@ -17,7 +17,7 @@ from typing import IO
 
 from attrs import field, frozen
 
-from mcsl_core.blender.children import ended_afterwards
+from mcsl_core.children import ended_afterwards
 from mcsl_core.documents import write_atomic
 from mcsl_core.errors import McslError
 from mcsl_core.progress import Progress

@@ -211,7 +211,13 @@ class Calibration:
         """(cost, numbers); a cost without end where nothing is found."""
         try:
             found = least_squares(
-                self.off, start, self.slopes, loss="soft_l1", f_scale=_OFF, x_scale="jac", max_nfev=60
+                self.off,
+                start,
+                self.slopes,  # pyright: ignore[reportArgumentType]
+                loss="soft_l1",
+                f_scale=_OFF,
+                x_scale="jac",
+                max_nfev=60,
             )
         except (ValueError, np.linalg.LinAlgError):
             return float("inf"), start
@@ -265,7 +271,7 @@ class Calibration:
         else:
             own = 4 + 7 * self._cameras.index(camera)
             columns += range(own, own + 7)
-            turned = cv2.Rodrigues(mount[:, :3])[0]
+            turned = np.asarray(cv2.Rodrigues(mount[:, :3])[0], np.float64)
             by += [longer, *(inner @ _rigid_slopes(turned)[:, :3] @ after)]
         if pose:
             own = 4 + 7 * (len(self._cameras) + pose - 1)
