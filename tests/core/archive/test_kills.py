@@ -46,6 +46,8 @@ def disturbed(psutil: Any, words: list[str], out: Path, chance: random.Random, k
     while child.poll() is None:
         time.sleep(chance.uniform(0.1, 2.5))
         victims = at_work(psutil, out)
+        if chance.random() < 0.8:  # most of them jobs: the command itself is at work from the first moment on
+            victims = [process for process in victims if "json" in (process.info["cmdline"] or ())]
         if len(killed) >= KILLS or not victims:
             continue
         victim = chance.choice(victims)
