@@ -44,7 +44,7 @@ def disturbed(psutil: Any, words: list[str], out: Path, chance: random.Random, k
     """One run in which processes are killed as long as there are kills left."""
     child = subprocess.Popen([sys.executable, "-m", "mcsl_core.cli", "--progress", "none", *words, str(out)])
     while child.poll() is None:
-        time.sleep(chance.uniform(0.1, 2.5))
+        time.sleep(chance.uniform(0.3, 12))  # jobs end in between, so that others come to be killed
         victims = at_work(psutil, out)
         if chance.random() < 0.8:  # most of them jobs: the command itself is at work from the first moment on
             victims = [process for process in victims if "json" in (process.info["cmdline"] or ())]
