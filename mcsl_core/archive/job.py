@@ -17,7 +17,7 @@ from attrs import frozen
 from mcsl_core.delivery.presets import preset_of
 from mcsl_core.delivery.quality import quality_named
 from mcsl_core.documents import canonical_json, make_converter, read_json, structure_document, write_atomic
-from mcsl_core.errors import McslError
+from mcsl_core.errors import McslError, writing
 from mcsl_core.media.probing import probe
 from mcsl_core.outputs.deliveries import own_videos
 from mcsl_core.recording.discovery import SUFFIXES, discover
@@ -99,17 +99,34 @@ def load_job(path: Path) -> Job:
     return structure_document(read_json(path), Job, _converter, where=str(path), name="archives")
 
 
-def planned(operation: Operation, archive: Path, folder: Path) -> Job:
+def planned(operation: Operation, archive: Path, folder: Path, *, write: bool = True, anonymous: bool = False) -> Job:
     """The job of an operation, written to ``folder``/job.json where it is not what stands there.
 
-    Files that are as they were are not opened again. What is wrong with them, or with the options, is in the facts.
+    Files that are as they were are not opened again, but for those that could not be read. What is wrong with them, or
+    with the options, is in the facts.
+
+    Parameters
+    ----------
+    operation : Operation
+        What is worked on.
+    archive, folder : Path
+        Where its recording's folder lies, and its results.
+    write : bool
+        Else nothing is written: a look at what would be done.
+    anonymous : bool
+        Nobody but the owner may look into ``folder``, whose job names the recording.
     """
     recording, path = archive / operation.folder, folder / "job.json"
     before = _read(path)
     state = _state(recording)
-    facts = before.facts if before and before.state == state else facts_of(recording)
-    options = operation.options
+    known = before is not None and before.state == state and not before.facts.fault
+    facts = before.facts if before is not None and known else facts_of(recording)
+    options = dict(operation.options)
     fault, video = _fault(options)
+    if Path(options.get("preset", "")).suffix:  # a file: jobs run in another folder
+        options["preset"] = str(Path(options["preset"]).resolve())
+    if write:
+        fault = _made(folder, recording, anonymous) or fault
     shared = ("--audio", options["audio"]) if options.get("audio") else ()
     quality = ("--quality", options.get("quality", "standard"))
     job = Job(
@@ -124,15 +141,17 @@ def planned(operation: Operation, archive: Path, folder: Path) -> Job:
         int(options.get("parts") or max(1, ceil(facts.seconds / PART_S))),
         video,
     )
-    if job != before:
-        folder.mkdir(parents=True, exist_ok=True)
-        write_atomic(path, canonical_json(_converter.unstructure(job)).encode("utf-8", "backslashreplace"))
-    _link(folder / "recording", recording)
+    if write and job != before:
+        text = canonical_json(_converter.unstructure(job))
+        write_atomic(path, text.encode("utf-8", "backslashreplace"), private=anonymous)
     return job
 
 
 def facts_of(recording: Path) -> Facts:
     """What the headers of a recording's files tell, or why it is none."""
+    dead = next((path for path in _files(recording) if path.is_symlink() and not path.exists()), None)
+    if dead is not None:
+        return Facts(fault=f"{dead.name}: is a link to a file that is not there. Bring the file back, or leave it out")
     try:
         cameras = discover([recording], own_videos([recording]))
         probed = [[probe(path) for path in files] for _, files in cameras]
@@ -174,17 +193,37 @@ def _read(path: Path) -> Job | None:
 def _state(recording: Path) -> str:
     """Names, sizes and times of what may be a camera's file: no file is opened."""
     found = []
-    for path in sorted((*recording.glob("*"), *recording.glob("*/*"))):
-        if path.suffix.lower() in SUFFIXES and not path.name.startswith("."):
+    for path in _files(recording):
+        try:
             stat = path.stat()
-            found.append(f"{path.relative_to(recording).as_posix()} {stat.st_size} {stat.st_mtime_ns}")
+            how = f"{stat.st_size} {stat.st_mtime_ns}"
+        except OSError:  # why, `facts_of` tells
+            how = "missing"
+        found.append(f"{path.relative_to(recording).as_posix()} {how}")
     return sha256("\n".join(found).encode("utf-8", "surrogateescape")).hexdigest()[:20]
 
 
-def _link(link: Path, recording: Path) -> None:
-    """So that commands, and the engine's messages about them, name an operation as its folder of results does."""
-    target = recording.resolve()
+def _files(recording: Path) -> list[Path]:
+    """What may be a camera's file by its name."""
+    found = sorted((*recording.glob("*"), *recording.glob("*/*")))
+    return [path for path in found if path.suffix.lower() in SUFFIXES and not path.name.startswith(".")]
+
+
+def _made(folder: Path, recording: Path, anonymous: bool) -> str:
+    """Makes the folder of results, with a link to the recording in it; what is in the way, or nothing.
+
+    By the link commands, and the engine's messages about them, name an operation as its folder of results does.
+    """
+    with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True, mode=0o700 if anonymous else 0o777)
+    link, target = folder / "recording", recording.resolve()
     if link.is_symlink() and Path(os.path.realpath(link)) == target:
-        return
-    link.unlink(missing_ok=True)
-    link.symlink_to(target, target_is_directory=True)
+        return ""
+    if link.exists() and not link.is_symlink():
+        return f"{link.name}: is no link to the recording. Move it out of the folder of results"
+    try:
+        link.unlink(missing_ok=True)
+        link.symlink_to(target, target_is_directory=True)
+    except OSError as error:
+        return f"{link.name}: a link to the recording cannot be made ({error.strerror}). Choose another file system"
+    return ""

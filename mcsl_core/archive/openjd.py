@@ -18,7 +18,8 @@ from attrs import frozen
 
 from mcsl_core import edl as edls
 from mcsl_core.delivery.presets import Preset, preset_of
-from mcsl_core.errors import InputError, UsageError
+from mcsl_core.errors import DocumentError, InputError, UsageError
+from mcsl_core.progress import Progress
 from mcsl_core.timing import FrameRange
 
 from .run import Work
@@ -113,9 +114,19 @@ def template(films: Sequence[Film], results: str, *, length: int = PIECE) -> dic
     }
 
 
-def template_text(works: Sequence[Work], out: Path, path: Path) -> str:
-    """The text of the template at ``path`` (JSON, which is YAML too); InputError where no operation has an EDL."""
-    films = [film for work in works if (film := film_of(work, out)) is not None]
+def template_text(works: Sequence[Work], out: Path, path: Path, progress: Progress) -> str:
+    """The text of the template at ``path`` (JSON, which is YAML too); InputError where no operation has an EDL.
+
+    Operations whose EDL cannot be read are left out, and told of.
+    """
+    films = []
+    for work in works:
+        try:
+            film = film_of(work, out)
+        except DocumentError as error:
+            progress.note(f"{work.operation.key} is left out: {error}")
+            continue
+        films += [] if film is None else [film]
     if not films:
         raise InputError(
             "holds no operation with an EDL", where=str(out), remedy="Run `mcsl archive` without --openjd first"
@@ -179,18 +190,28 @@ def _ranges(frames: int, length: int) -> list[FrameRange]:
     return [FrameRange(start, min(start + length, frames)) for start in range(0, frames, length)]
 
 
-def pieces_in(folder: Path, suffix: str) -> list[Path]:
-    """The pieces in a folder in order; InputError where they are not the whole programme from its first frame on."""
+def pieces_in(folder: Path, suffix: str, frames: int | None = None) -> dict[Path, int]:
+    """The pieces in a folder in order, and how many frames each has by its name.
+
+    Raises
+    ------
+    InputError
+        Where they are not the whole programme, of ``frames`` where that is known, from its first frame on.
+    """
     found = sorted(folder.glob(f"[0-9]*-[0-9]*{suffix}"))
-    after = 0
+    after, lengths = 0, dict[Path, int]()
     for path in found:
         first, _, last = path.stem.partition("-")
         if not (first.isdigit() and last.isdigit()) or int(first) != after + 1:
             raise InputError(f"does not follow frame {after}", where=str(path), remedy="Empty the folder, render again")
+        lengths[path] = int(last) - after
         after = int(last)
     if not found:
         raise InputError(f"holds no pieces (0000001-0000600{suffix})", where=str(folder), remedy="Render them first")
-    return found
+    if frames is not None and after != frames:
+        what = f"holds frames up to {after}, the programme has {frames}"
+        raise InputError(what, where=str(folder), remedy="Render what is missing, or empty the folder and render again")
+    return lengths
 
 
 def sound_in(folder: Path) -> Path | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Mapping, Sequence, Set
 from pathlib import Path
@@ -17,6 +18,8 @@ SCHEMA = "mcsl.archive/1"
 ANALYSIS = ("reference", "rate", "sync", "movement-view", *STAGES)
 COLUMNS = (*ANALYSIS, "quality", "preset", "audio", "parts")
 _REMEDY = f"Its first line names operation, and any of {', '.join(COLUMNS)}"
+_OURS = ("archive.json", "log", "triage.html", "operations.csv", "operations.parquet")  # beside the operations' folders
+_LONGEST = 150  # bytes of a name: with what jobs put behind it, it stays below the 255 that file systems take
 _converter = make_converter()
 
 
@@ -49,7 +52,9 @@ class Register:
     keys: Mapping[str, str]
 
 
-def find_operations(archive: Path, out: Path, *, table: Path | None, anonymous: bool) -> tuple[Operation, ...]:
+def find_operations(
+    archive: Path, out: Path, *, table: Path | None, anonymous: bool, write: bool = True
+) -> tuple[Operation, ...]:
     """The operations in an archive, in the order of their names.
 
     Parameters
@@ -62,9 +67,13 @@ def find_operations(archive: Path, out: Path, *, table: Path | None, anonymous: 
         A table (CSV) with a column ``operation`` and any of `COLUMNS`.
     anonymous : bool
         Whether operations are called by number.
+    write : bool
+        Whether what they are called is kept.
 
     Raises
     ------
+    UsageError
+        Where ``out`` is the archive, or within an operation.
     InputError, DocumentError
         Where the archive holds none, the table is wrong or names what is not there, or ``out`` is another archive's.
     """
@@ -81,7 +90,10 @@ def find_operations(archive: Path, out: Path, *, table: Path | None, anonymous: 
         raise InputError(
             "holds no folders", where=str(archive), remedy="Name the folder that the operations' folders lie in"
         )
-    keys = _registered(archive, out, folders, anonymous).keys
+    if results == archive.resolve() or any(results.is_relative_to((archive / f).resolve()) for f in folders):
+        what = "is where the recordings lie"
+        raise UsageError(what, where=str(out), remedy="Choose a folder of its own for the results")
+    keys = _registered(archive, out, folders, anonymous, write=write).keys
     return tuple(Operation(folder, keys[folder], options.get(folder, {})) for folder in folders)
 
 
@@ -105,7 +117,7 @@ def _options(archive: Path, table: Path) -> dict[str, dict[str, str]]:
     return options
 
 
-def _registered(archive: Path, out: Path, folders: Sequence[str], anonymous: bool) -> Register:
+def _registered(archive: Path, out: Path, folders: Sequence[str], anonymous: bool, *, write: bool) -> Register:
     """The register of ``out`` with all these folders in it."""
     path, place = out / "archive.json", archive.resolve().as_posix()
     known = Register(SCHEMA, place, anonymous, {})
@@ -118,13 +130,15 @@ def _registered(archive: Path, out: Path, folders: Sequence[str], anonymous: boo
             raise UsageError(
                 "names operations the other way", where=str(out), remedy=f"{how}, or choose another folder"
             )
-    keys, taken = dict(known.keys), {key.casefold() for key in known.keys.values()}
+    keys, taken = dict(known.keys), {*_OURS, *(key.casefold() for key in known.keys.values())}
+    if archive.resolve().parent == out.resolve():
+        taken.add(archive.resolve().name.casefold())
     for folder in folders:
         if folder not in keys:
             keys[folder] = f"{len(keys) + 1:06d}" if anonymous else _named(folder, taken)
             taken.add(keys[folder].casefold())
     made = Register(SCHEMA, place, anonymous, keys)
-    if made != known:
+    if write and made != known:
         out.mkdir(parents=True, exist_ok=True)
         write_atomic(
             path, canonical_json(_converter.unstructure(made)).encode("utf-8", "backslashreplace"), private=True
@@ -135,7 +149,8 @@ def _registered(archive: Path, out: Path, folders: Sequence[str], anonymous: boo
 def _named(folder: str, taken: Set[str]) -> str:
     """A name that no shell, engine or file system reads otherwise, and that no other operation has."""
     key = re.sub(r"[^\w.-]", "_", folder).lstrip(".-") or "_"
-    name, number = key[:150], 2
-    while name.casefold() in taken or name in ("archive.json", "log"):
-        name, number = f"{key[:150]}_{number}", number + 1
+    key = os.fsencode(key)[:_LONGEST].decode("utf-8", "ignore")
+    name, number = key, 2
+    while name.casefold() in taken:
+        name, number = f"{key}_{number}", number + 1
     return name

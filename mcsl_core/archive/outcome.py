@@ -14,6 +14,7 @@ from .job import Job, told
 State = Literal["done", "refused", "failed", "waiting"]
 _REFUSED = (2, 3)  # exit codes: the same files and options will be refused again
 _TAIL = 1 << 16
+_COUNTED = re.compile(r"[-_ ]*\d+$")
 
 
 @frozen
@@ -53,8 +54,8 @@ def outcome_of(folder: Path, job: Job) -> Outcome:
     seconds, first = 0.0, ""
     for step in steps(job):
         mark = folder / "done" / step
-        made = _changed(mark)
-        if made is None or made < max(planned or 0, decided or 0 if step != "analyse" else 0):
+        made = _seen(mark)
+        if made is None or made < _asked(step, planned, decided):
             first = first or step
         else:
             seconds += _seconds(mark)
@@ -62,18 +63,42 @@ def outcome_of(folder: Path, job: Job) -> Outcome:
         return Outcome("done", seconds=seconds)
     log = folder / "log" / f"{first}.jsonl"
     tried = _changed(log)
-    if tried is None or tried < (planned or 0):
+    if tried is None or tried < _asked(first, planned, decided):
         return Outcome("waiting", first, seconds=seconds)
     return _failure(first, log, Path(job.recording), seconds)
 
 
+def forget_outdated(folder: Path, job: Job) -> None:
+    """Removes the marks of jobs that began before what they were to see: engines know when they ended alone."""
+    planned, decided = _changed(folder / "job.json"), _changed(folder / "edl.json")
+    for step in steps(job):
+        mark = folder / "done" / step
+        made = _seen(mark)
+        if made is not None and made < _asked(step, planned, decided):
+            mark.unlink(missing_ok=True)
+
+
+def _seen(mark: Path) -> int | None:
+    """When the job that left a mark began; None where there is no mark."""
+    made = _changed(mark)
+    return made if made is None else _changed(mark.with_name(f"{mark.name}.began")) or made
+
+
+def _asked(step: str, planned: int | None, decided: int | None) -> int:
+    """When a step was last asked for: its job planned, or the EDL that it is made from changed."""
+    return max(planned or 0, (decided or 0) if step != "analyse" else 0)
+
+
 def nameless(why: str, job: Job) -> str:
-    """What stands against an operation without the names of its folder, cameras and files."""
+    """What stands against an operation without the names of its folder, cameras and files, and without its options."""
     recording = Path(job.recording)
     found = [path for pattern in ("*", "*/*") for path in recording.glob(pattern)]
+    cameras = {_COUNTED.sub("", path.stem) for path in found}  # of files that follow each other
+    told_of = (*job.analyse[1::2], *job.conform[3::2])
     names = {*job.operation.split("/"), *(path.name for path in found), *(path.stem for path in found)}
+    names = {name for name in (*names, *cameras, *told_of) if name}
     word = "|".join(re.escape(name) for name in sorted(names, key=len, reverse=True))
-    return re.sub(rf"(?<!\w)({word})(?!\w)", "...", why)
+    return re.sub(rf"(?<!\w)({word})(?!\w)", "...", why, flags=re.IGNORECASE)
 
 
 def _failure(step: str, log: Path, recording: Path, seconds: float) -> Outcome:
@@ -85,7 +110,8 @@ def _failure(step: str, log: Path, recording: Path, seconds: float) -> Outcome:
         what, remedy, code = error["what"], error["remedy"], error["exit_code"]
         where = told(Exception(error["where"]), recording)
     except (ValueError, LookupError, TypeError):
-        return Outcome("failed", step, "ended without saying why: it was killed, or is at work", seconds)
+        said = f": {last.strip()}" if last.strip() and not last.startswith("{") else ""
+        return Outcome("failed", step, f"ended without saying why: it was killed, or is at work{said}", seconds)
     name = where.rpartition("/")[2]
     words = f"{name}: {what}. {remedy}" if name else f"{what}. {remedy}"
     return Outcome("refused" if code in _REFUSED else "failed", step, words.rstrip(". "), seconds)

@@ -12,6 +12,7 @@ import attrs
 from attrs import frozen
 
 from mcsl_core.delivery.quality import QUALITIES
+from mcsl_core.errors import writing
 from mcsl_core.outputs.locks import alone
 from mcsl_core.progress import Progress, counted
 from mcsl_core.timing import format_time
@@ -19,7 +20,7 @@ from mcsl_core.timing import format_time
 from .engine import Engine
 from .job import Job, planned
 from .operations import Operation, find_operations
-from .outcome import Outcome, nameless, outcome_of, steps
+from .outcome import Outcome, forget_outdated, nameless, outcome_of, steps
 
 _AT_ONCE = 16  # files are opened over networks, too
 
@@ -39,9 +40,17 @@ class Work:
 
 
 def survey(
-    archive: Path, out: Path, *, table: Path | None = None, anonymous: bool = False, progress: Progress
+    archive: Path,
+    out: Path,
+    *,
+    table: Path | None = None,
+    anonymous: bool = False,
+    write: bool = True,
+    progress: Progress,
 ) -> tuple[Work, ...]:
     """Every operation of an archive with what is to be done for it. Files that are as they were are not opened again.
+
+    write: whether what is to be done is written for the engine; without, nothing is.
 
     Raises
     ------
@@ -49,30 +58,46 @@ def survey(
         What `find_operations` raises, and where ``out`` cannot be written to. A recording that cannot be read is told
         by its outcome.
     """
-    operations = find_operations(archive, out, table=table, anonymous=anonymous)
+    operations = find_operations(archive, out, table=table, anonymous=anonymous, write=write)
     progress.stage("Looking through the archive", len(operations), "operations")
     found = []
     with ThreadPoolExecutor(_AT_ONCE) as pool:
-        for done, work in enumerate(pool.map(partial(_work, archive, out, anonymous), operations), start=1):
+        for done, work in enumerate(pool.map(partial(_work, archive, out, anonymous, write), operations), start=1):
             found.append(work)
             progress.advance(done)
     return tuple(found)
 
 
-def _work(archive: Path, out: Path, anonymous: bool, operation: Operation) -> Work:
+def _work(archive: Path, out: Path, anonymous: bool, write: bool, operation: Operation) -> Work:
     folder = out / operation.key
-    job = planned(operation, archive, folder)
+    job = planned(operation, archive, folder, write=write, anonymous=anonymous)
+    if write:
+        forget_outdated(folder, job)
     outcome = outcome_of(folder, job)
     return Work(operation, job, attrs.evolve(outcome, why=nameless(outcome.why, job)) if anonymous else outcome)
 
 
-def carry_out(works: Sequence[Work], out: Path, engine: Engine, *, anonymous: bool, progress: Progress) -> None:
-    """Has the engine do what is open; InputError where another run is at work on ``out``."""
+def carry_out(
+    archive: Path, out: Path, engine: Engine, *, table: Path | None, anonymous: bool, progress: Progress
+) -> tuple[Work, ...]:
+    """Has the engine do what is open, and says what has become of everything.
+
+    Raises
+    ------
+    BusyError
+        Where another run is at work on ``out``; nothing of it is touched then.
+    McslError
+        As of `survey`.
+    """
     engine.check()
-    keys = [work.operation.key for work in works if work.open]
+    find_operations(archive, out, table=table, anonymous=anonymous, write=False)  # before anything is made
+    with writing(out):
+        out.mkdir(parents=True, exist_ok=True)
+    look = partial(survey, archive, out, table=table, anonymous=anonymous, progress=progress)
     with alone(out / "archive.json", "archive"):
-        if keys:
+        if keys := [work.operation.key for work in look() if work.open]:
             engine.run(keys, out, anonymous=anonymous, progress=progress)
+        return look()
 
 
 def describe(works: Sequence[Work], out: Path) -> str:

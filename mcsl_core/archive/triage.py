@@ -135,7 +135,7 @@ def write_tables(rows: Sequence[Figures], out: Path) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    values = [attrs.asdict(row) for row in rows]
+    values = [{name: _readable(value) for name, value in attrs.asdict(row).items()} for row in rows]
     text = io.StringIO(newline="")
     writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
     writer.writeheader()
@@ -146,6 +146,11 @@ def write_tables(rows: Sequence[Figures], out: Path) -> None:
     sink = pa.BufferOutputStream()
     pq.write_table(pa.Table.from_pylist(values, schema=schema), sink)
     write_atomic(out / "operations.parquet", sink.getvalue().to_pybytes())
+
+
+def _readable(value: Any) -> Any:
+    """A name that is no Unicode with its odd bytes written out."""
+    return value.encode("utf-8", "backslashreplace").decode() if isinstance(value, str) else value
 
 
 def _picture(folder: Path, video: str) -> str:

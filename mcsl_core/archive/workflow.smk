@@ -8,9 +8,13 @@ from functools import cache
 from pathlib import Path
 
 OPERATIONS = config["operations"]
-MCSL = f"SECONDS=0; {config['mcsl']} --progress json"
+# Beside a mark lies when its job began, by the clock of the files: what an editor decides while it is at work it has not
+# seen. The mark itself Snakemake touches in the end.
+_CALL = config["mcsl"].replace("{", "{{").replace("}", "}}")
+MCSL = f"SECONDS=0; : > {{output:q}}.began; {_CALL} --progress json"
 ANONYMOUS = "--anonymous" if config.get("anonymous") else ""
-END = "--allow-outside > {log:q} 2>&1 && echo $SECONDS > {output:q}"
+MARK = " > {log:q} 2>&1 && echo $SECONDS > {output:q}"
+END = "--allow-outside" + MARK
 
 
 @cache
@@ -64,8 +68,7 @@ rule analyse:
         mem_mb=4096,
         runtime=hours(8),
     shell:
-        MCSL + " analyse {wildcards.op:q}/recording -o {wildcards.op:q}/edl.json {params.options:q}"
-        " > {log:q} 2>&1 && echo $SECONDS > {output:q}"
+        MCSL + " analyse {wildcards.op:q}/recording -o {wildcards.op:q}/edl.json {params.options:q}" + MARK
 
 
 rule conform:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack
 from fractions import Fraction
 from heapq import merge
@@ -22,7 +22,9 @@ from .writing import FORMATS, muxer_options
 _Timed = tuple[Fraction, int, Any]
 
 
-def append(pieces: Sequence[Path], out: Path, *, sound: Path | None = None) -> int:
+def append(
+    pieces: Sequence[Path], out: Path, *, sound: Path | None = None, lengths: Sequence[int] | None = None
+) -> int:
     """Writes the pictures of ``pieces`` one after another into ``out``, with the sound of ``sound`` beside them.
 
     Parameters
@@ -34,6 +36,8 @@ def append(pieces: Sequence[Path], out: Path, *, sound: Path | None = None) -> i
         Another file, overwritten.
     sound : Path, optional
         A file whose first sound track ``out`` shall have, coded as it is.
+    lengths : sequence of int, optional
+        How many pictures each piece shall have.
 
     Returns
     -------
@@ -43,7 +47,7 @@ def append(pieces: Sequence[Path], out: Path, *, sound: Path | None = None) -> i
     Raises
     ------
     InputError
-        Where a piece is coded otherwise than the first: one header cannot describe both.
+        Where a piece is coded otherwise than the first, which one header cannot describe, or has not its length.
     MediaError
         Where a file cannot be read or written.
     """
@@ -55,7 +59,7 @@ def append(pieces: Sequence[Path], out: Path, *, sound: Path | None = None) -> i
             target = stack.enter_context(av.open(local_url(out), "w", format=kind, container_options=options))
             video = copied(target, first)
             frames = 0
-            packets = [_pictures(pieces, first)]
+            packets = [_pictures(pieces, lengths, first)]
             streams = [video]
             if sound is not None:
                 source = stack.enter_context(open_file(sound))
@@ -71,21 +75,41 @@ def append(pieces: Sequence[Path], out: Path, *, sound: Path | None = None) -> i
         raise MediaError(what, where=str(out), remedy="Check whether the disk is full, and the pieces whole") from error
 
 
-def _pictures(pieces: Sequence[Path], first: Any) -> Iterator[_Timed]:
+def _pictures(pieces: Sequence[Path], lengths: Sequence[int] | None, first: Any) -> Iterator[_Timed]:
     """(time of decoding, 0, packet): each piece begins where the pictures before it end."""
     like, rate, before = _coding(first), first.average_rate, 0
-    for path in pieces:
+    for path, length in zip(pieces, lengths or [None] * len(pieces), strict=True):
         with open_file(path) as source:
             stream = main_video(source, path)
             if _coding(stream) != like:
                 raise InputError("is coded otherwise than the first piece", where=str(path), remedy="Render it again")
-            offset = round(Fraction(before) / rate / stream.time_base)
-            for packet in source.demux(stream):
-                if packet.size:  # the last are dummies
-                    clean = without_banner(packet, stream.codec_context.name, prefixed=True)
-                    clean.pts, clean.dts = packet.pts + offset, packet.dts + offset
-                    before += 1
-                    yield clean.dts * stream.time_base, 0, clean
+            tick, start = stream.time_base, before
+            offset = round(Fraction(before) / rate / tick)
+            for packet, decoded_at in _with_decoding_times(source.demux(stream), 1 / rate / tick):
+                clean = without_banner(packet, stream.codec_context.name, prefixed=True)
+                clean.pts, clean.dts = packet.pts + offset, decoded_at + offset
+                before += 1
+                yield clean.dts * tick, 0, clean
+            if length is not None and before - start != length:
+                what = f"holds {before - start} pictures where its name says {length}"
+                raise InputError(what, where=str(path), remedy="Render it again")
+
+
+def _with_decoding_times(packets: Iterable[Any], frame: Fraction) -> Iterator[tuple[Any, int]]:
+    """Packets, and when each is decoded, in ticks; ``frame``: ticks from one picture to the next.
+
+    Matroska leaves it open for the first of pictures that are not shown in the order in which they are coded.
+    """
+    waiting: list[Any] = []
+    for packet in packets:
+        if not packet.size:  # the last are dummies
+            continue
+        waiting.append(packet)
+        if packet.dts is not None:
+            last = len(waiting) - 1
+            yield from ((each, packet.dts - round((last - n) * frame)) for n, each in enumerate(waiting))
+            waiting = []
+    yield from ((packet, packet.pts) for packet in waiting)
 
 
 def _sound(source: Any) -> Iterator[_Timed]:

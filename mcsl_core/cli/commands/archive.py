@@ -10,6 +10,7 @@ import click
 
 from mcsl_core.cli.options import PATH
 from mcsl_core.cli.output import Session
+from mcsl_core.progress import counted
 
 
 @click.command()
@@ -35,24 +36,27 @@ def archive(session: Session, archive: Path, out: Path, *, dry_run: bool, openjd
     from mcsl_core.archive.openjd import template_text
     from mcsl_core.archive.run import carry_out, describe, survey
     from mcsl_core.archive.triage import write_triage
+    from mcsl_core.errors import McslError
     from mcsl_core.outputs.claim import claim
     from mcsl_core.outputs.manifest import Manifest
 
     given: dict[str, Any] = {name: how.pop(name) for name in ("table", "anonymous")}
     engine = Engine(**{name: value for name, value in how.items() if value is not None})
-    output = None if openjd is None else claim(openjd, manifest=Manifest.beside(out / "archive.json"))
     with session.progress() as progress:
-        works = survey(archive, out, **given, progress=progress)
-        if output is not None and openjd is not None:
-            output.write(template_text(works, out, openjd).encode("utf-8"))
-        elif not dry_run:
-            anonymous = given["anonymous"]
-            carry_out(works, out, engine, anonymous=anonymous, progress=progress)
-            works = survey(archive, out, **given, progress=progress)
-            write_triage(works, out, anonymous=anonymous, progress=progress)
-    if output is not None:
+        if dry_run or openjd is not None:
+            works = survey(archive, out, **given, write=False, progress=progress)
+        else:
+            works = carry_out(archive, out, engine, **given, progress=progress)
+            write_triage(works, out, anonymous=given["anonymous"], progress=progress)
+        if openjd is not None:
+            output = claim(openjd, manifest=Manifest.beside(out / "archive.json"))
+            output.write(template_text(works, out, openjd, progress).encode("utf-8"))
+    if openjd is not None:
         session.result({"template": str(openjd)}, f"{openjd}: for those operations that have an EDL")
         return
     states = Counter(work.outcome.state for work in works)
     values = {"operations": dict(states), **({} if dry_run else {"triage": str(out / "triage.html")})}
     session.result(values, describe(works, out) if dry_run else f"{out / 'triage.html'}: {describe(works, out)}")
+    if states["failed"] and not dry_run:
+        what = f"{counted(states['failed'], 'operations')} failed"
+        raise McslError(what, where=str(out / "triage.html"), remedy="See why there, then run again")

@@ -14,7 +14,10 @@ import pytest
 from archive_desk import ODD, mcsl
 
 from mcsl_core import edl as edls
+from mcsl_core.archive.run import survey
 from mcsl_core.edl import Override
+from mcsl_core.outputs.locks import alone
+from mcsl_core.progress import Silent
 from mcsl_core.timing import FrameRange
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
@@ -66,7 +69,10 @@ def test_an_archive_is_worked_through_and_again_only_what_is_new(archive: Path, 
         assert (out / key / "report.html").stat().st_size > 10_000
         assert (out / key / "picture.jpg").is_file()
         assert int(found["op1" if key == "op1" else ODD]["shots"]) == len(edl.shots)
-    assert len(list((out / "op1" / "done").iterdir())) == 6
+    marks = [path for path in (out / "op1" / "done").iterdir() if path.suffix != ".began"]
+    assert len(marks) == 6
+    for mark in marks:
+        assert mark.with_suffix(".began").stat().st_mtime_ns < mark.stat().st_mtime_ns
 
     before = times(out)
     again = mcsl("archive", archive, "-o", out, "--table", table)
@@ -105,6 +111,26 @@ def test_a_recording_that_cannot_be_analysed_stops_no_other_and_is_not_tried_aga
     table.write_text("operation,reference\nop1,\n", "utf-8")
     assert mcsl("archive", archive, "-o", out, "--table", table).returncode == 0
     assert rows(out)[ODD]["state"] == "done"
+
+
+def test_jobs_that_cannot_even_start_are_a_failure_that_says_why(archive: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    done = mcsl("archive", archive, "-o", out, "--mcsl", "no${HOME:+}such")
+    assert done.returncode == 4
+    assert "2 operations failed" in done.stderr
+    assert "nosuch: command not found" in rows(out)["op1"]["why"]
+
+
+def test_who_comes_second_touches_nothing(archive: Path, tmp_path: Path) -> None:
+    out, table = tmp_path / "out", tmp_path / "table.csv"
+    survey(archive, out, progress=Silent())
+    before = (out / "op1" / "job.json").read_bytes()
+    table.write_text("operation,quality\nop1,draft\n", "utf-8")
+    with alone(out / "archive.json", "archive"):
+        done = mcsl("archive", archive, "-o", out, "--table", table)
+    assert done.returncode == 4
+    assert "is at work on it" in done.stderr
+    assert (out / "op1" / "job.json").read_bytes() == before
 
 
 def test_no_log_page_or_table_names_anonymous_operations(archive: Path, tmp_path: Path) -> None:

@@ -11,7 +11,9 @@ import pytest
 
 from mcsl_core.archive.job import Job, load_job, planned
 from mcsl_core.archive.operations import Operation
-from mcsl_core.archive.outcome import nameless, outcome_of, steps
+from mcsl_core.archive.outcome import forget_outdated, nameless, outcome_of, steps
+
+PRESETS = Path(__file__).parents[3] / "render_presets"
 
 
 def plan(archive: Path, folder: Path, **options: str) -> Job:
@@ -110,3 +112,96 @@ def test_the_last_words_of_a_job_say_why(archive: Path, tmp_path: Path, code: in
     later = (folder / "log" / "analyse.jsonl").stat().st_mtime_ns + 1
     os.utime(folder / "job.json", ns=(later, later))  # what is to be done has changed
     assert outcome_of(folder, job).state == "waiting"
+
+
+def test_what_was_refused_is_looked_at_again(archive: Path, tmp_path: Path) -> None:
+    """A table that was mended, a file that could not be read: neither its time nor its size has changed."""
+    folder = tmp_path / "op1"
+    assert plan(archive, folder, preset="vhs").facts.fault
+    assert not plan(archive, folder).facts.fault
+    file = archive / "op1" / "cam1.mp4"
+    right, stat = file.read_bytes(), file.stat()
+    file.write_bytes(bytes(len(right)))
+    os.utime(file, ns=(stat.st_atime_ns, stat.st_mtime_ns + 1))
+    assert plan(archive, folder).facts.fault
+    file.write_bytes(right)
+    os.utime(file, ns=(stat.st_atime_ns, stat.st_mtime_ns + 1))
+    assert not plan(archive, folder).facts.fault
+
+
+def test_a_look_writes_nothing(archive: Path, tmp_path: Path) -> None:
+    job = planned(Operation("op1", "op1", {"preset": "review"}), archive, tmp_path / "op1", write=False)
+    assert job.video == "programme.mp4"
+    assert not (tmp_path / "op1").exists()
+
+
+def test_one_that_cannot_be_worked_on_is_a_row_that_says_so(archive: Path, tmp_path: Path) -> None:
+    (archive / "op1" / "cam3.mp4").symlink_to(tmp_path / "gone.mp4")
+    assert plan(archive, tmp_path / "op1").facts.fault.startswith("cam3.mp4: ")
+    (archive / "op1" / "cam3.mp4").unlink()
+    (tmp_path / "copied" / "recording").mkdir(parents=True)  # by what follows links
+    assert "recording: is no link" in plan(archive, tmp_path / "copied").facts.fault
+
+
+def test_a_preset_of_ones_own_is_found_from_wherever_jobs_run(archive: Path, tmp_path: Path) -> None:
+    shutil.copy(PRESETS / "review.json", tmp_path / "own.json")
+    job = plan(archive, tmp_path / "op1", preset=os.path.relpath(tmp_path / "own.json"))
+    assert job.render[:2] == ("--preset", str(tmp_path / "own.json"))
+
+
+def test_an_anonymous_operations_folder_is_its_owners_alone(archive: Path, tmp_path: Path) -> None:
+    planned(Operation("op1", "000001", {}), archive, tmp_path / "000001", anonymous=True)
+    if os.name != "nt":
+        assert (tmp_path / "000001").stat().st_mode & 0o077 == 0
+        assert (tmp_path / "000001" / "job.json").stat().st_mode & 0o077 == 0
+
+
+def test_an_edl_that_was_mended_is_tried_again(archive: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "op1"
+    job = plan(archive, folder)
+    now = (folder / "job.json").stat().st_mtime_ns
+    done(folder, "analyse", now + 1)
+    (folder / "log").mkdir()
+    log, edl = folder / "log" / "conform-1-of-1.jsonl", folder / "edl.json"
+    error = {"what": "there is no camera cam9", "where": "edl.json", "remedy": "Take another", "exit_code": 3}
+    log.write_text(json.dumps({"error": error}))
+    edl.write_text("{}")
+    os.utime(edl, ns=(now + 2, now + 2))
+    os.utime(log, ns=(now + 3, now + 3))
+    assert outcome_of(folder, job).state == "refused"
+    os.utime(edl, ns=(now + 4, now + 4))
+    assert outcome_of(folder, job).state == "waiting"
+
+
+def test_what_was_decided_while_a_job_was_at_work_it_has_not_seen(archive: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "op1"
+    job = plan(archive, folder)
+    now = (folder / "job.json").stat().st_mtime_ns
+    for number, step in enumerate(steps(job), start=1):
+        done(folder, step, now + 10 * number)
+    evaluated = folder / "done" / "evaluate"
+    evaluated.with_suffix(".began").touch()
+    os.utime(evaluated.with_suffix(".began"), ns=(now + 12, now + 12))
+    (folder / "edl.json").write_text("{}")
+    os.utime(folder / "edl.json", ns=(now + 5, now + 5))
+    assert outcome_of(folder, job).state == "done"
+    os.utime(folder / "edl.json", ns=(now + 15, now + 15))
+    assert (outcome_of(folder, job).state, outcome_of(folder, job).step) == ("waiting", "evaluate")
+    forget_outdated(folder, job)
+    assert not evaluated.exists()
+    assert (folder / "done" / "report").exists()
+
+
+def test_what_a_shell_said_is_told(archive: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "op1"
+    job = plan(archive, folder)
+    (folder / "log").mkdir()
+    (folder / "log" / "analyse.jsonl").write_text("bash: line 1: nosuch: command not found\n")
+    assert "nosuch: command not found" in outcome_of(folder, job).why
+
+
+def test_no_camera_of_numbered_files_and_no_option_is_told_of_an_anonymous_one(archive: Path, tmp_path: Path) -> None:
+    for number in (1, 2):
+        (archive / "op1" / f"cam{number}.mp4").rename(archive / "op1" / f"Specht_00{number}.mp4")
+    job = plan(archive, tmp_path / "op1", reference="Meise", audio="Amsel")
+    assert nameless("there is no Meise: choose one of specht, Amsel", job) == "there is no ...: choose one of ..., ..."

@@ -93,3 +93,31 @@ def test_an_archive_without_folders_is_refused(tmp_path: Path) -> None:
         found(made(tmp_path, "a") / "a", tmp_path / "out")
     with pytest.raises(InputError, match="is no folder"):
         found(tmp_path / "nowhere", tmp_path / "out")
+
+
+def test_results_are_not_written_among_recordings(tmp_path: Path) -> None:
+    archive = made(tmp_path / "a", "x", "y")
+    for out in (archive, archive / "x" / "deeper"):
+        with pytest.raises(UsageError, match="where the recordings lie"):
+            found(archive, out)
+    assert not (archive / "archive.json").exists()
+
+
+def test_no_operation_is_called_as_what_lies_beside_it(tmp_path: Path) -> None:
+    archive = made(tmp_path / "out" / "Archive", "Triage.html", "operations.csv", "LOG", "archive")
+    keys = {key.casefold() for key, _ in found(archive, tmp_path / "out").values()}
+    assert len(keys) == 4
+    assert not keys & {"triage.html", "operations.csv", "log", "archive"}
+
+
+def test_long_names_stay_within_what_file_systems_take(tmp_path: Path) -> None:
+    archive = made(tmp_path / "a", f"{'ü' * 100}/{'ö' * 100}")
+    table = f"operation\n{'ü' * 100}/{'ö' * 100}\n"
+    (key, _) = next(iter(found(archive, tmp_path / "out", table).values()))
+    (tmp_path / f".{key}.archive.lock").touch()
+
+
+def test_a_look_keeps_no_names(tmp_path: Path) -> None:
+    archive = made(tmp_path / "a", "x")
+    assert find_operations(archive, tmp_path / "out", table=None, anonymous=True, write=False)[0].key == "000001"
+    assert not (tmp_path / "out").exists()

@@ -6,12 +6,14 @@ from fractions import Fraction
 from pathlib import Path
 
 import av
+import numpy as np
 import pytest
 from coded_video import SIZE, read_number, write_coded
 from two_cameras import click_track
 
 from mcsl_core.errors import InputError, MediaError
 from mcsl_core.media.appending import append
+from mcsl_core.media.writing import Encoding, VideoWriter
 
 
 def pieces(folder: Path, *ranges: range, **how) -> list[Path]:
@@ -64,3 +66,27 @@ def test_a_piece_cut_short_is_told(tmp_path: Path) -> None:
     made[1].write_bytes(made[1].read_bytes()[:200])
     with pytest.raises((MediaError, InputError)):
         append(made, tmp_path / "out.mp4")
+
+
+def test_a_piece_that_holds_less_than_it_should_is_refused(tmp_path: Path) -> None:
+    made = pieces(tmp_path, range(10), range(10, 18))
+    with pytest.raises(InputError, match="holds 8 pictures where its name says 10"):
+        append(made, tmp_path / "out.mp4", lengths=(10, 10))
+    assert append(made, tmp_path / "out.mp4", lengths=(10, 8)) == 18
+
+
+def test_matroska_leaves_open_when_pictures_are_decoded(tmp_path: Path) -> None:
+    """With pictures that are not shown in the order in which they are coded."""
+    made = [tmp_path / "0.mkv", tmp_path / "1.mkv"]
+    for path, numbers in zip(made, (range(25), range(25, 50)), strict=True):
+        with VideoWriter(path, size=(320, 180), rate=Fraction(30), encoding=Encoding(options={"bf": "2"})) as writer:
+            for number in numbers:
+                picture = np.full((180, 320, 3), 5 * number, np.uint8)
+                picture[: 3 * number + 1] = 255
+                writer.write(picture)
+    with av.open(str(made[0])) as container:
+        assert any(packet.dts is None for packet in container.demux(video=0) if packet.size)
+    assert append(made, tmp_path / "out.mkv") == 50
+    with av.open(str(tmp_path / "out.mkv")) as container:
+        shown = [frame.to_ndarray(format="gray") for frame in container.decode(video=0)]
+    assert [round(float(np.median(picture[-10:])) / 5) for picture in shown] == list(range(50))
