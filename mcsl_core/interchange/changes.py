@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from bisect import bisect_right
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import pairwise
-from typing import Literal, TypeVar
+from itertools import islice, pairwise
+from typing import Literal
 
 import attrs
 from attrs import frozen
 
 from mcsl_core.edl import Edl, Override
 from mcsl_core.progress import counted
-from mcsl_core.timing import FrameRange, cut_points, format_time, joined, merge_equal
+from mcsl_core.timing import FrameRange, format_time, joined, merge_equal
 
 from .found import FoundClip, FoundCut
-from .model import Clip, Transform
+from .model import OVERRIDE, Clip, Transform
 from .model import Sequence as Cut
+from .painting import beside, paint
 from .placing import Placed, Placer, shown
 
 Layout = Literal["multicam", "layers", "single"]
 """How a format holds the angles: in a multicam clip, on tracks below the shots, or not at all."""
-
-T = TypeVar("T")
-Painted = list[tuple[FrameRange, T | None]]
 
 
 @frozen
@@ -33,7 +32,7 @@ class Changes:
     Attributes
     ----------
     cameras
-        Where another camera is shown than the EDL says, and which; in order.
+        Where another camera is shown than the cut says, and which; in order.
     removed
         Programme frames that are shown no more; in order.
     notes
@@ -51,7 +50,7 @@ def find_changes(cut: Cut, found: FoundCut, layout: Layout) -> Changes:
     Parameters
     ----------
     cut
-        As the EDL has it.
+        As it was exported, or as the EDL has it.
     found
         As the editor left it.
     layout
@@ -61,10 +60,9 @@ def find_changes(cut: Cut, found: FoundCut, layout: Layout) -> Changes:
     seen = _Seen(cut, found, placer)
     exact = any(map(placer.is_conformed, found.clips))
     was = paint(cut.frames, _exported(cut, "multicam" if exact else layout))
-    points = cut_points(cut.frames, [piece for piece, _ in (*was, *seen.painted)])
     cameras: list[tuple[FrameRange, str]] = []
     removed: list[FrameRange] = []
-    for piece, before, now in zip(_pieces(points), _each(was, points), _each(seen.painted, points), strict=True):
+    for piece, (before, now) in beside(cut.frames, was, seen.painted):
         if now is None and before is not None:
             removed.append(piece)
         elif now is not None and now != before:
@@ -78,26 +76,15 @@ def with_cameras(edl: Edl, cameras: Iterable[tuple[FrameRange, str]]) -> Edl:
 
     Where the automatic choice is the same again, what overruled it is taken back.
     """
-    overrides = list(edl.overrides)
-    automatic = merge_equal([(shot.range, shot.camera) for shot in edl.shots])
-    for piece, camera in cameras:
-        overrides = [part for override in overrides for part in _without_camera(override, piece)]
-        differs = [both for span, name in automatic if name != camera and (both := span.intersection(piece))]
-        overrides += [Override(stretch, camera=camera) for stretch in joined(differs)]
+    painted = paint(edl.frames, cameras)
+    decided = [piece for piece, camera in painted if camera is not None]
+    if not decided:
+        return edl
+    overrides = [part for override in edl.overrides for part in _without_camera(override, decided)]
+    both = beside(edl.frames, painted, [(shot.range, shot.camera) for shot in edl.shots])
+    differs = merge_equal([(piece, camera) for piece, (camera, automatic) in both if camera not in (None, automatic)])
+    overrides += [Override(piece, camera=camera) for piece, camera in differs]
     return attrs.evolve(edl, overrides=tuple(_grown(overrides)))
-
-
-def paint(frames: int, laid: Iterable[tuple[FrameRange, T]]) -> Painted[T]:
-    """[0, frames) in pieces, each with the last that was laid over it, or None."""
-    laid = list(laid)
-    points = cut_points(frames, [piece for piece, _ in laid])
-    index = {point: n for n, point in enumerate(points)}
-    values: list[T | None] = [None] * (len(points) - 1)
-    for piece, value in laid:
-        first, last = min(piece.start, frames), min(piece.stop, frames)
-        for n in range(index[first], index[last]):
-            values[n] = value
-    return merge_equal(list(zip(_pieces(points), values, strict=True)))
 
 
 class _Seen:
@@ -175,6 +162,8 @@ def _marker_notes(cut: Cut, found: FoundCut) -> Iterator[str]:
     ours = Counter(" ".join(marker.name.split()) for marker in cut.markers)
     for frame, name in found.markers:
         plain = " ".join(name.split())
+        if plain.startswith(OVERRIDE):  # of one that the EDL has no more: nobody else writes so
+            continue
         known = plain if ours[plain] > 0 else None
         if known is None:  # an EDL has name and note in one
             known = next((own for own, left in ours.items() if left > 0 and own and plain.startswith(own)), None)
@@ -184,53 +173,49 @@ def _marker_notes(cut: Cut, found: FoundCut) -> Iterator[str]:
             ours[known] -= 1
 
 
-def _pieces(points: Sequence[int]) -> list[FrameRange]:
-    return [FrameRange(a, b) for a, b in pairwise(points)]
-
-
-def _each(painted: Painted[T], points: Sequence[int]) -> Iterator[T | None]:
-    """The value in each of the pieces between ``points``, which hold all ends of what is painted."""
-    pieces = iter(painted)
-    span, value = next(pieces)
-    for start in points[:-1]:
-        while start >= span.stop:
-            span, value = next(pieces)
-        yield value
-
-
-def _without_camera(override: Override, piece: FrameRange) -> Iterator[Override]:
-    """``override`` with no camera in ``piece``."""
-    both = override.range.intersection(piece)
-    if both is None or override.camera is None:
+def _without_camera(override: Override, pieces: Sequence[FrameRange]) -> Iterator[Override]:
+    """``override`` with no camera in ``pieces``, which are in order."""
+    if override.camera is None:
         yield override
         return
-    start, stop = override.range.start, override.range.stop
-    if start < both.start:
-        yield attrs.evolve(override, range=FrameRange(start, both.start))
-    rest = attrs.evolve(override, range=both, camera=None)
-    if attrs.evolve(rest, note="") != Override(both):
-        yield rest
-    if both.stop < stop:
-        yield attrs.evolve(override, range=FrameRange(both.stop, stop))
+    at, stop = override.range.start, override.range.stop
+    for piece in pieces[bisect_right(pieces, at, key=lambda one: one.stop) :]:
+        both = piece.intersection(override.range)
+        if both is None:
+            break
+        if at < both.start:
+            yield attrs.evolve(override, range=FrameRange(at, both.start))
+        rest = attrs.evolve(override, range=both, camera=None)
+        if attrs.evolve(rest, note="") != Override(both):
+            yield rest
+        at = both.stop
+    if at < stop:
+        yield attrs.evolve(override, range=FrameRange(at, stop))
 
 
 def _grown(overrides: Sequence[Override]) -> list[Override]:
     """Overrides that say one camera and nothing else, where they meet, made one; the others as they are."""
     result: list[Override] = []
+    ends: dict[int, set[int]] = defaultdict(set)  # frame -> which of them begin or end there
     for override in overrides:
-        before = next((n for n, one in enumerate(result) if _continues(one, override, result[n + 1 :])), None)
-        if before is None:
+        beside_it = sorted(ends[override.range.start] | ends[override.range.stop])
+        number = next((n for n in beside_it if _continues(result[n], override, result, n + 1)), len(result))
+        if number == len(result):
             result.append(override)
         else:
-            ends = (result[before].range, override.range)
-            result[before] = attrs.evolve(override, range=FrameRange(min(ends).start, max(ends).stop))
+            both = (result[number].range, override.range)
+            result[number] = attrs.evolve(override, range=FrameRange(min(both).start, max(both).stop))
+        for end in (result[number].range.start, result[number].range.stop):
+            ends[end].add(number)
     return result
 
 
-def _continues(one: Override, other: Override, between: Sequence[Override]) -> bool:
-    """Whether two are one decision, and no override between them in the list decides there."""
+def _continues(one: Override, other: Override, overrides: Sequence[Override], after: int) -> bool:
+    """Whether two are one decision, and none of the overrides from number ``after`` on decides there."""
     meet = one.range.stop == other.range.start or other.range.stop == one.range.start
     if not meet or other.camera is None or attrs.evolve(one, range=other.range) != other:
         return False
-    free = not any(b.camera is not None and b.range.intersection(other.range) for b in between)
-    return free and other == Override(other.range, camera=other.camera)
+    if other != Override(other.range, camera=other.camera):
+        return False
+    between = islice(overrides, after, None)
+    return not any(b.camera is not None and b.range.intersection(other.range) for b in between)

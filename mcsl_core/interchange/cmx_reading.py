@@ -17,7 +17,7 @@ from .timecode import count_of, day_s, may_drop
 WHAT = "an edit decision list (CMX3600)"
 _CODE = r"(\d{2}:\d{2}:\d{2}[:;.,]\d{2})"
 _EVENT = re.compile(rf"(\d+)\s+(\S.*?)\s+(\S+)\s+([CDWK]\S*)\s+(?:\S+\s+)?{_CODE}\s+{_CODE}\s+{_CODE}\s+{_CODE}")
-_COMMENT = re.compile(r"\*?\s*(FROM CLIP NAME|SOURCE FILE|FROM FILE|LOC|MCSL CUT)\s*:\s*(.*)")
+_COMMENT = re.compile(r"\*?\s*(FROM CLIP NAME|SOURCE FILE|FROM FILE|LOC|MCSL CUT SHOWN|MCSL CUT)\s*:\s*(.*)")
 _LOCATOR = re.compile(rf"{_CODE}\s+\S+\s*(.*)")
 _CUT = re.compile(rf"([0-9a-f]{{16}})\s+{_CODE}")
 _BLACK = ("BL", "BLACK")
@@ -52,6 +52,7 @@ class _Reader:
 
     def read(self, lines: list[str]) -> FoundCut:
         events: list[tuple[re.Match[str], bool, dict[str, str]]] = []
+        shown: list[str] = []
         markers, basis, zero = [], "", None
         for number, line in enumerate(map(str.strip, lines), start=1):
             if line.startswith("FCM:"):
@@ -62,6 +63,8 @@ class _Reader:
                 name, text = comment.groups()
                 if name == "MCSL CUT" and (cut := _CUT.fullmatch(text)):
                     basis, zero = cut[1], self._count(cut[2], self._drop, number)
+                elif name == "MCSL CUT SHOWN":
+                    shown.append(text)
                 elif name == "LOC" and (locator := _LOCATOR.fullmatch(text)):
                     markers.append((self._count(locator[1], self._drop, number), locator[2]))
                 elif events:
@@ -70,15 +73,15 @@ class _Reader:
                 self.notes.append(f"a change of speed in line {number}")
         if not events:
             raise DocumentError("has no events", where=str(self._path), remedy=f"Check that it is {WHAT}")
-        shown = [event for event in events if event[0][3] in ("V", "B") or event[0][3].startswith("AA/V")]
-        if zero is None and shown:
-            zero = self._count(shown[0][0][7], shown[0][1])
-        clips = [clip for event in shown for clip in self._clip(*event, zero or 0)]
+        pictures = [event for event in events if event[0][3] in ("V", "B") or event[0][3].startswith("AA/V")]
+        if zero is None and pictures:
+            zero = self._count(pictures[0][0][7], pictures[0][1])
+        clips = [clip for event in pictures for clip in self._clip(*event, zero or 0)]
         return FoundCut(
             rate=self._rate,
             clips=tuple(clips),
             markers=tuple((self._since(zero or 0, at), name) for at, name in markers),
-            basis=basis,
+            origin=" ".join([basis, *shown]) if basis else "",
             notes=tuple(self.notes),
         )
 

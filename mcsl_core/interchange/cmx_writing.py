@@ -17,6 +17,7 @@ from .timecode import label, may_drop, nominal
 
 PROGRAMME_REEL = "MCSL"  # of what is conformed
 _REEL = 8
+_WORDS = 4  # a line
 _COLOURS = {"movement": "YELLOW", "pose": "BLUE", "weak": "RED", "shot": "GREEN", "override": "MAGENTA"}
 
 
@@ -42,7 +43,9 @@ def write_cmx(cut: Sequence) -> bytes:
         lines += ["", f"{number:0{width}d}  {reel:<8} {track:<5} C        {_codes(cut, clip)}"]
         lines += [f"* FROM CLIP NAME: {_line(clip.camera)}", f"* SOURCE FILE: {_line(str(clip.medium.path))}"]
         if number == 1:
-            lines.append(f"* MCSL CUT: {cut.basis} {label(cut.start, cut.rate, drop=cut.drop)}")
+            basis, *shown = cut.origin.split()
+            lines.append(f"* MCSL CUT: {basis} {label(cut.start, cut.rate, drop=cut.drop)}")
+            lines += [f"* MCSL CUT SHOWN: {' '.join(shown[n : n + _WORDS])}" for n in range(0, len(shown), _WORDS)]
         while track == "V" and markers and markers[-1].range.start < clip.range.stop:
             lines.append(_locator(cut, markers.pop()))
     return ("\n".join(lines) + "\n").encode("utf-8", "replace")

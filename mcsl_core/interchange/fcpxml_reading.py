@@ -11,12 +11,12 @@ from mcsl_core.errors import DocumentError
 from mcsl_core.timing import FrameRange
 
 from .found import FoundClip, FoundCut
+from .origin import ORIGIN
 from .xml_text import path_of, read_xml
 
 WHAT = "an FCPXML document"
 _BUNDLE = "Info.fcpxml"
 _TIME = re.compile(r"([+-]?\d{1,20})(?:/(\d{1,20}))?s")
-_BASIS = re.compile(r"mcsl cut ([0-9a-f]{16})")
 _STORY = ("mc-clip", "asset-clip", "clip", "video", "ref-clip", "sync-clip", "title", "audition", "spine", "gap")
 _KNOWN = ("mc-clip", "asset-clip", "clip", "video")
 _EFFECTS = (
@@ -75,12 +75,12 @@ class _Reader:
 
     def cut(self) -> FoundCut:
         said = " ".join(note.text or "" for note in self._sequence.findall("note"))
-        basis = _BASIS.search(said)
+        origin = ORIGIN.search(said)
         return FoundCut(
             rate=self._rate,
             clips=tuple(self._clips),
             markers=tuple(self._markers),
-            basis=basis[1] if basis else "",
+            origin=origin[1] if origin else "",
             notes=tuple(self.notes),
         )
 

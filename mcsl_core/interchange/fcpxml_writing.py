@@ -36,7 +36,7 @@ def write_fcpxml(cut: Sequence) -> bytes:
         audioLayout="stereo",
         audioRate="48k",
     )
-    add(sequence, "note", f"mcsl cut {cut.basis}")
+    add(sequence, "note", f"mcsl cut {cut.origin}")
     writer.spine(add(sequence, "spine"))
     return document(root, "fcpxml")
 

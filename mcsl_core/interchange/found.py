@@ -66,8 +66,8 @@ class FoundCut:
         Of pictures.
     markers
         (frame, name) of each, in frames from the sequence's start.
-    basis
-        The digest that the export wrote; empty where the editor lost it.
+    origin
+        What the export said of the decisions it shows; empty where the editor lost it.
     notes
         What was seen and is not read, for a person.
     """
@@ -75,5 +75,5 @@ class FoundCut:
     rate: Fraction
     clips: tuple[FoundClip, ...]
     markers: tuple[tuple[int, str], ...] = ()
-    basis: str = ""
+    origin: str = ""
     notes: tuple[str, ...] = field(default=())

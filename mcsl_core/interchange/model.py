@@ -17,6 +17,7 @@ from attrs import field, frozen
 from mcsl_core.errors import Fault
 from mcsl_core.timing import FrameRange
 
+OVERRIDE = "override: "  # what a marker of one begins with
 MarkerKind = Literal["movement", "pose", "weak", "shot", "override"]
 
 
@@ -168,8 +169,8 @@ class Sequence:
         What frame 0 is called, counted in frames from midnight.
     drop
         Whether timecodes are drop-frame.
-    basis
-        A digest of the automatic choice that the shots rest on.
+    origin
+        What the shots rest on, and what was decided on it, as `origin_of` says it.
     shots
         They tile [0, frames).
     angles
@@ -188,7 +189,7 @@ class Sequence:
     size: tuple[int, int]
     start: int
     drop: bool
-    basis: str
+    origin: str
     shots: tuple[Shot, ...]
     angles: tuple[Angle, ...]
     markers: tuple[Marker, ...] = ()

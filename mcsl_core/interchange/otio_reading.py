@@ -42,7 +42,7 @@ class _Reader:
         self._timeline = document
         self._tracks = [t for t in document["tracks"]["children"] if _kind(t) == "Track" and t["kind"] == "Video"]
         said = document.get("metadata", {}).get(KEY, {})
-        self._basis = str(said.get("cut", ""))
+        self._origin = str(said.get("cut", ""))
         start = document.get("global_start_time")
         first = next((c for t in self._tracks for c in t["children"] if c.get("source_range")), None)
         if start is None and first is None:
@@ -58,7 +58,7 @@ class _Reader:
         ]
         markers = [(self._frames(m["marked_range"]["start_time"]), str(m.get("name", ""))) for m in marked]
         return FoundCut(
-            rate=self._rate, clips=clips, markers=tuple(markers), basis=self._basis, notes=tuple(self.notes)
+            rate=self._rate, clips=clips, markers=tuple(markers), origin=self._origin, notes=tuple(self.notes)
         )
 
     def _track(self, track: dict[str, Any], layer: int) -> Iterator[FoundClip]:

@@ -28,7 +28,7 @@ def write_otio(cut: Sequence) -> bytes:
     stack = _object("Stack.1", "tracks", children=tracks, markers=[_marker(m, cut.rate) for m in cut.markers])
     timeline = {
         "OTIO_SCHEMA": "Timeline.1",
-        "metadata": {KEY: {"cut": cut.basis, "rate": str(cut.rate)}},
+        "metadata": {KEY: {"cut": cut.origin, "rate": str(cut.rate)}},
         "name": plain(cut.name),
         "global_start_time": _time(Fraction(cut.start), cut.rate),
         "tracks": stack,

@@ -16,21 +16,23 @@ from mcsl_core.outputs.locks import changing
 from mcsl_core.outputs.manifest import Manifest
 from mcsl_core.progress import Progress, Silent
 from mcsl_core.recording.footage import footage_of
-from mcsl_core.timing import format_time
+from mcsl_core.timing import FrameRange, format_time
 
-from .changes import Changes, find_changes, with_cameras
+from .changes import with_cameras
 from .formats import Format, format_to_read
 from .found import FoundCut
-from .sequence import Wanted, basis_of, sequence_of
+from .origin import basis_of
+from .sequence import Wanted, sequence_of
+from .three_way import Merged, compared
 
 
 @frozen
 class Pulled:
-    """The EDL with what was decided, where it lies, and what was found changed."""
+    """The EDL with what was decided, where it lies, and what was found."""
 
     path: Path
     edl: Edl
-    changes: Changes
+    found: Merged
 
 
 def pull(
@@ -38,8 +40,8 @@ def pull(
 ) -> Pulled:
     """Reads an editor's changes into an EDL, or into a copy of it at ``out``.
 
-    Which camera is shown where becomes overrides; whatever else was found changed is told and left. Where nothing was
-    decided anew, the file is left as it is.
+    Which camera is shown where becomes overrides; whatever else was found changed is told and left, and so are
+    overrides that were made since the export. Where nothing was decided anew, the file is left as it is.
 
     Raises
     ------
@@ -58,8 +60,8 @@ def pull(
         output = None
         if out is not None and out.resolve() != edl_path.resolve():
             output = claim(out, inputs=inputs, manifest=Manifest.beside(edl_path), force=force)
-        changes = changes_in(document, form, edl, edl_path.parent)
-        new = with_cameras(edl, changes.cameras)
+        found = changes_in(document, form, edl, edl_path.parent)
+        new = with_cameras(edl, found.changes.cameras)
         if output is not None:
             moved = rebased(new, edl_path.parent, output.path.parent)
             output.write(edl_path.read_bytes() if moved == edl else edls.dumps(moved).encode())
@@ -67,27 +69,35 @@ def pull(
             new = moved
         elif new != edl:
             edls.save(new, edl_path)
-    for note in told(changes, edl):
+    for note in told(found, edl):
         progress.note(note)
-    return Pulled(out or edl_path, new, changes)
+    return Pulled(out or edl_path, new, found)
 
 
-def changes_in(document: Path, form: Format, edl: Edl, base: Path) -> Changes:
-    """What differs between the document and the EDL, whose paths are relative to ``base``."""
+def changes_in(document: Path, form: Format, edl: Edl, base: Path) -> Merged:
+    """What was changed in the document since it was exported from the EDL, whose paths are relative to ``base``."""
     found = form.read(document, edl.rate)
     _check(found, edl, document)
     footage = footage_of(edl, base)
     parts = {camera.name: footage.parts(camera.name) for camera in edl.cameras}
-    return find_changes(sequence_of(edl, parts, Wanted(name=document.stem)), found, form.layout)
+    return compared(sequence_of(edl, parts, Wanted(name=document.stem)), edl, found, form.layout)
 
 
-def told(changes: Changes, edl: Edl) -> list[str]:
-    """What is not read, in words for a person."""
+def told(found: Merged, edl: Edl) -> list[str]:
+    """What is not read, and what became of other decisions, in words for a person."""
     lines = []
-    for piece in changes.removed:
-        start, stop = (format_time(frame / edl.rate) for frame in (piece.start, piece.stop))
-        lines.append(f"not read: frames {piece} ({start} to {stop}) were removed; the EDL keeps the programme whole")
-    return lines + [f"not read: {note}" for note in changes.notes]
+    for piece in found.changes.removed:
+        lines.append(f"not read: {_named(piece, edl)} were removed; the EDL keeps the programme whole")
+    lines += [f"not read: {note}" for note in found.changes.notes]
+    why = "was decided in the EDL, and the document does not know of it"
+    lines += [f"kept: {_named(piece, edl)} show {camera}, which {why}" for piece, camera in found.kept]
+    lines += [f"overruled: {_named(piece, edl)} showed {camera}, which {why}" for piece, camera in found.overruled]
+    return lines
+
+
+def _named(piece: FrameRange, edl: Edl) -> str:
+    start, stop = (format_time(frame / edl.rate) for frame in (piece.start, piece.stop))
+    return f"frames {piece} ({start} to {stop})"
 
 
 def _check(found: FoundCut, edl: Edl, document: Path) -> None:
@@ -97,7 +107,7 @@ def _check(found: FoundCut, edl: Edl, document: Path) -> None:
             where=str(document),
             remedy="Export the sequence at its own rate",
         )
-    if found.basis and found.basis != basis_of(edl):
+    if found.origin and found.origin.split()[0] != basis_of(edl):
         raise InputError(
             "was exported from another analysis than this EDL holds now: what differs was not decided by the editor",
             where=str(document),

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 
 from attrs import frozen
 
 from mcsl_core.edl import Edl
-from mcsl_core.edl.resolve import resolve
 from mcsl_core.errors import UsageError
 from mcsl_core.recording.decoder import Part
-from mcsl_core.timing import FrameRange, merge_equal
+from mcsl_core.timing import FrameRange
 
 from .angles import laid_files, posed_angle
-from .model import Clip, Marker, Medium, Shot
+from .model import OVERRIDE, Clip, Marker, Medium
 from .model import Sequence as Cut
+from .origin import origin_of, shots_of
 from .timecode import count_of, is_broadcast, may_drop
 
 DEFAULT_START = "01:00:00:00"
@@ -80,7 +78,7 @@ def sequence_of(edl: Edl, parts: Mapping[str, Sequence[Part]], wanted: Wanted) -
         size=edl.size,
         start=start,
         drop=drop,
-        basis=basis_of(edl),
+        origin=origin_of(edl),
         shots=shots_of(edl),
         angles=tuple(posed_angle(edl, camera, laid[camera.name]) for camera in order),
         markers=tuple(sorted(_markers(edl))),
@@ -96,19 +94,6 @@ def check_rate(rate: Fraction) -> None:
             f"editors know whole rates and NTSC's (30000/1001), the programme has {rate} frames/s",
             remedy="Analyse again with --rate, such as 25 or 30000/1001",
         )
-
-
-def shots_of(edl: Edl) -> tuple[Shot, ...]:
-    """The shots with the overrides in them; neighbours of one camera are one."""
-    cameras = merge_equal([(piece, decision.camera) for piece, decision in resolve(edl)])
-    return tuple(Shot(piece, camera) for piece, camera in cameras)
-
-
-def basis_of(edl: Edl) -> str:
-    """A digest of the automatic choice: what an exported cut must be compared with when it comes back."""
-    choice = merge_equal([(shot.range, shot.camera) for shot in edl.shots])
-    facts = [str(edl.rate), *([piece.stop, camera] for piece, camera in choice)]
-    return hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:16]
 
 
 def _markers(edl: Edl) -> Iterator[Marker]:
@@ -132,7 +117,7 @@ def _markers(edl: Edl) -> Iterator[Marker]:
             if (value := getattr(override, name)) is not None
         ]
         said += ["centred by hand"] if override.offset is not None else []
-        yield Marker(override.range, "override", f"override: {', '.join(said) or 'nothing'}", override.note)
+        yield Marker(override.range, "override", f"{OVERRIDE}{', '.join(said) or 'nothing'}", override.note)
 
 
 def _at(frame: int) -> FrameRange:

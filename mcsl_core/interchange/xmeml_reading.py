@@ -12,10 +12,10 @@ from mcsl_core.timing import FrameRange
 
 from .found import FoundClip, FoundCut
 from .model import Transform
+from .origin import ORIGIN
 from .xml_text import path_of, read_xml
 
 WHAT = "a Final Cut Pro 7 XML document (xmeml)"
-_BASIS = re.compile(r"mcsl cut ([0-9a-f]{16})")
 _TAKEN_UP = -1  # of a start or end that lies in a transition
 
 
@@ -57,13 +57,13 @@ class _Reader:
                     name, at = item.findtext("name", ""), self._number(item, "start")
                     self.notes.append(f"a title or generator {name!r} at frame {at}")
         markers = [(self._number(m, "in"), m.findtext("name", "")) for m in self._sequence.findall("marker")]
-        basis = _BASIS.search(" ".join(self._sequence.itertext()))
+        origin = ORIGIN.search(" ".join(self._sequence.itertext()))
         assert self._rate is not None
         return FoundCut(
             rate=self._rate,
             clips=tuple(clips),
             markers=tuple(markers),
-            basis=basis[1] if basis else "",
+            origin=origin[1] if origin else "",
             notes=tuple(self.notes),
         )
 

@@ -49,7 +49,7 @@ def write_xmeml(cut: Sequence) -> bytes:
     for marker in cut.markers:
         _marker(sequence, marker)
     comments = add(sequence, "comments")
-    add(comments, "mastercomment1", f"mcsl cut {cut.basis}")
+    add(comments, "mastercomment1", f"mcsl cut {cut.origin}")
     return document(root, "xmeml")
 
 

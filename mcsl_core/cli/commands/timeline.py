@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from shlex import quote
 from typing import Any
@@ -13,6 +14,7 @@ from mcsl_core.cli.options import FORCE, PATH, allow_outside
 from mcsl_core.cli.output import Session
 from mcsl_core.errors import UsageError
 from mcsl_core.progress import counted
+from mcsl_core.timing import FrameRange
 
 
 @click.command()
@@ -81,11 +83,18 @@ def _pull_document(
         raise UsageError("--blender is for a .blend", where=str(document), remedy="Leave it out")
     with session.progress() as progress:
         pulled = read(document, edl, out, force=force, progress=progress)
-    count, changed = len(pulled.edl.overrides), len(pulled.changes.cameras)
+    changes, count = pulled.found.changes, len(pulled.edl.overrides)
     values = {
         "overrides": count,
-        "changed": [[piece.start, piece.stop, camera] for piece, camera in pulled.changes.cameras],
-        "removed": [[piece.start, piece.stop] for piece in pulled.changes.removed],
-        "not_read": list(pulled.changes.notes),
+        "changed": _stretches(changes.cameras),
+        "kept": _stretches(pulled.found.kept),
+        "overruled": _stretches(pulled.found.overruled),
+        "removed": [[piece.start, piece.stop] for piece in changes.removed],
+        "not_read": list(changes.notes),
     }
-    session.result(values, f"{pulled.path}: {counted(changed, 'stretches')} changed, {counted(count, 'overrides')}")
+    changed = counted(len(changes.cameras), "changes")
+    session.result(values, f"{pulled.path}: {changed}, {counted(count, 'overrides')}")
+
+
+def _stretches(pieces: Iterable[tuple[FrameRange, str]]) -> list[list[int | str]]:
+    return [[piece.start, piece.stop, camera] for piece, camera in pieces]

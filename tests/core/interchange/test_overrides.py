@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from fractions import Fraction
+
 import attrs
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -10,6 +13,7 @@ from interchange_cuts import R, film, films
 from mcsl_core.edl import Override
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.interchange.changes import with_cameras
+from mcsl_core.timing import FrameRange
 
 
 def shown(edl):
@@ -49,3 +53,26 @@ def test_overrides_show_just_what_is_asked_for(made, data):
     expected[start:stop] = [camera] * (stop - start)
     assert shown(new) == expected
     assert attrs.evolve(new, overrides=edl.overrides) == edl
+
+
+def test_where_nothing_changed_the_edl_is_as_it_was():
+    edl = film(overrides=(Override(R(10, 20), camera="cam2"), Override(R(20, 30), camera="cam2"))).edl
+    assert with_cameras(edl, ()) is edl
+
+
+def test_many_overrides_take_time_that_grows_with_them():
+    """Cost: counted in what is compared, not in seconds: every override is asked for its range a few times."""
+    asked = Counter()
+
+    class Counting(FrameRange):
+        def intersection(self, other):
+            asked["intersection"] += 1
+            return super().intersection(other)
+
+    count = 10_000
+    overrides = tuple(Override(Counting(10 * n, 10 * n + 5), camera="cam2") for n in range(count))
+    edl = film(Fraction(25), 10 * count, overrides=overrides).edl
+    changes = [(Counting(10 * n, 10 * n + 5), "cam3") for n in range(0, count, 4)]
+    new = with_cameras(edl, changes)
+    assert shown(new)[:45] == [*["cam3"] * 5, *(["cam1"] * 5 + ["cam2"] * 5) * 3, *["cam1"] * 5, *["cam3"] * 5]
+    assert asked["intersection"] < 10 * count

@@ -1,0 +1,81 @@
+"""What a document says of the decisions that it was exported with, so that it can be compared with just those.
+
+A digest of the automatic choice; one of what was shown; and the stretches in which overrides showed another camera, as
+``start-stop:camera`` with the camera's number in the EDL. The second digest tells whether they came back whole.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Iterable, Sequence
+
+import attrs
+
+from mcsl_core.edl import Edl, Override
+from mcsl_core.edl.resolve import resolve
+from mcsl_core.timing import FrameRange, merge_equal
+
+from .model import Shot
+from .painting import beside
+
+_MOST_LETTERS = 40_000  # no editor says how much a note holds
+_DIGEST = "[0-9a-f]{16}"
+ORIGIN = re.compile(rf"mcsl cut ({_DIGEST}(?:\s+{_DIGEST}(?:\s+\d+-\d+:\d+)*)?)")
+_STRETCH = re.compile(r"(\d{1,15})-(\d{1,15}):(\d{1,9})")
+
+
+def shots_of(edl: Edl) -> tuple[Shot, ...]:
+    """The shots with the overrides in them; neighbours of one camera are one."""
+    cameras = merge_equal([(piece, decision.camera) for piece, decision in resolve(edl)])
+    return tuple(Shot(piece, camera) for piece, camera in cameras)
+
+
+def automatic_of(edl: Edl) -> tuple[Shot, ...]:
+    """The shots without overrides; neighbours of one camera are one."""
+    return tuple(Shot(piece, camera) for piece, camera in merge_equal([(s.range, s.camera) for s in edl.shots]))
+
+
+def pairs(shots: Iterable[Shot]) -> list[tuple[FrameRange, str]]:
+    """(frames, camera) of each."""
+    return [(shot.range, shot.camera) for shot in shots]
+
+
+def basis_of(edl: Edl) -> str:
+    """A digest of the automatic choice: a document of another analysis must not be compared with this."""
+    return _digest(edl, automatic_of(edl))
+
+
+def origin_of(edl: Edl) -> str:
+    """What an export says of the decisions that it shows; without the stretches where they are too many."""
+    shown, number = shots_of(edl), {camera.name: n for n, camera in enumerate(edl.cameras)}
+    both = beside(edl.frames, pairs(shown), pairs(automatic_of(edl)))
+    decided = merge_equal([(piece, camera) for piece, (camera, automatic) in both if camera != automatic])
+    said = [basis_of(edl), _digest(edl, shown)]
+    whole = " ".join([*said, *(f"{piece.start}-{piece.stop}:{number[camera]}" for piece, camera in decided)])
+    return whole if len(whole) <= _MOST_LETTERS else " ".join(said)
+
+
+def exported_shots(origin: str, edl: Edl) -> tuple[Shot, ...] | None:
+    """What was shown when a document was exported; None where it does not say so, or not whole."""
+    words = origin.split()
+    if len(words) < 2:
+        return None
+    decided = [override for word in words[2:] if (override := _override(word, edl)) is not None]
+    candidates = shots_of(edl), shots_of(attrs.evolve(edl, overrides=tuple(decided)))
+    return next((shots for shots in candidates if _digest(edl, shots) == words[1]), None)
+
+
+def _override(word: str, edl: Edl) -> Override | None:
+    match = _STRETCH.fullmatch(word)
+    if match is None:
+        return None
+    start, stop, camera = map(int, match.groups())
+    there = start < stop <= edl.frames and camera < len(edl.cameras)
+    return Override(FrameRange(start, stop), camera=edl.cameras[camera].name) if there else None
+
+
+def _digest(edl: Edl, shots: Sequence[Shot]) -> str:
+    facts = [str(edl.rate), *([shot.range.stop, shot.camera] for shot in shots)]
+    return hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:16]
