@@ -3,12 +3,34 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import TypeVar
 
 from attrs import field, frozen
 
+from mcsl_core.errors import Fault
 from mcsl_core.timing import FrameRange
 
 from .model import Transform
+
+N = TypeVar("N", int, Fraction)
+
+
+MOST = 1 << 40  # frames or seconds: whatever is more is damage, and too much to count with
+
+
+def bounded(value: N) -> N:
+    """``value``; `Fault`, a ValueError, where no programme reaches so far."""
+    if abs(value) >= MOST:
+        raise Fault(f"it says a time of more than {MOST} frames or seconds")
+    return value
+
+
+@frozen
+class Reference:
+    """A file that a clip may show, and the timecode of its first picture in seconds; None where it is not said."""
+
+    path: str
+    zero_s: Fraction | None
 
 
 @frozen(kw_only=True)
@@ -26,7 +48,7 @@ class FoundClip:
     enabled
         Whether it is shown.
     angle
-        Of a multicam clip, the angle that it shows; else None.
+        Of a multicam clip, the angle that it shows, empty where that has no name; else None.
     path
         Of its file; empty where it is not said.
     reel
@@ -35,6 +57,10 @@ class FoundClip:
         Where it begins, in seconds: in its file's own timecode, or in the multicam clip's.
     zero_s
         The timecode of the file's or multicam clip's first picture in seconds; None where it is not said.
+    active
+        What it shows in truth, where its own place is said in the time of another file; else None.
+    retimed
+        Whether it runs at another speed, or backwards.
     transform
         Where its picture lies; None where it is not said.
     """
@@ -48,6 +74,8 @@ class FoundClip:
     reel: str = ""
     source_s: Fraction
     zero_s: Fraction | None = None
+    active: Reference | None = None
+    retimed: bool = False
     transform: Transform | None = None
 
     def __str__(self) -> str:

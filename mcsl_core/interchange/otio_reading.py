@@ -11,11 +11,13 @@ from mcsl_core.documents import read_json
 from mcsl_core.errors import DocumentError
 from mcsl_core.timing import FrameRange
 
-from .found import FoundClip, FoundCut
+from .found import FoundClip, FoundCut, Reference, bounded
 from .otio_writing import KEY
 from .xml_text import path_of
 
 WHAT = "an OpenTimelineIO document"
+_TIME_EFFECTS = ("TimeEffect", "LinearTimeWarp", "FreezeFrame")
+_MOST_RATE = 1_000_000  # sound's are below
 _CLOSE = Fraction(1, 10_000)  # rates are floats: within so much of NTSC's they are those
 
 
@@ -84,33 +86,37 @@ class _Reader:
             at_s += lasts_s
 
     def _clip(self, clip: dict[str, Any], piece: FrameRange, layer: int, shown: bool) -> Iterator[FoundClip]:
-        key, _ = _active(clip)
+        key, active = _active(clip)
         name = str(clip.get("name", ""))
         # The source range counts in the medium that the clip is named after, whichever angle was chosen since.
-        medium = clip.get("media_references", {}).get(name) or _active(clip)[1]
+        medium = clip.get("media_references", {}).get(name) or active
         span = clip.get("source_range") or _available(clip)
-        if _kind(medium) != "ExternalReference":
+        if {_kind(medium), _kind(active)} != {"ExternalReference"}:
             self.notes.append(f"the clip {clip.get('name', '')!r} at frame {piece.start}, which has no file")
             return
-        available = medium.get("available_range")
+        at = _reference(medium)
         yield FoundClip(
             name=name,
             range=piece,
             layer=layer,
             enabled=bool(shown and clip.get("enabled", True)),
             angle=key,
-            path=path_of(str(medium.get("target_url", ""))),
+            path=at.path,
             source_s=seconds(span["start_time"]),
-            zero_s=seconds(available["start_time"]) if available else None,
+            zero_s=at.zero_s,
+            active=_reference(active) if key is not None else None,
+            retimed=any(_retimes(effect) for effect in clip.get("effects", ())),
         )
 
     def _frames(self, time: dict[str, Any]) -> int:
         return round(seconds(time) * self._rate)
 
 
-def rate_of(value: float) -> Fraction:
+def rate_of(value: Any) -> Fraction:
     """The rate that a float stands for: NTSC's fractions where it is near one."""
-    exact = Fraction(value)
+    exact = _number(value)
+    if not 0 < exact <= _MOST_RATE:
+        raise ValueError(f"{value!r:.40} is no rate")
     whole = Fraction(-(-exact.numerator // exact.denominator))
     near = next((r for r in (Fraction(round(value)), whole * 1000 / 1001) if abs(r - exact) < _CLOSE), None)
     return near or exact.limit_denominator(1001)
@@ -118,7 +124,24 @@ def rate_of(value: float) -> Fraction:
 
 def seconds(time: dict[str, Any]) -> Fraction:
     """A RationalTime in seconds, its rate made exact."""
-    return Fraction(time["value"]) / rate_of(time["rate"])
+    return bounded(_number(time["value"]) / rate_of(time["rate"]))
+
+
+def _number(value: Any) -> Fraction:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise TypeError(f"{value!r:.40} is no number")
+    return Fraction(value)
+
+
+def _reference(medium: dict[str, Any]) -> Reference:
+    available = medium.get("available_range")
+    zero_s = seconds(available["start_time"]) if available else None
+    return Reference(path_of(str(medium.get("target_url", ""))), zero_s)
+
+
+def _retimes(effect: dict[str, Any]) -> bool:
+    scalar = effect.get("time_scalar")
+    return _kind(effect) in _TIME_EFFECTS and (scalar is None or scalar != 1)
 
 
 def _kind(value: Any) -> str:

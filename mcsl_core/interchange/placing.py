@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
+from collections import Counter
 from fractions import Fraction
 from math import ceil, floor
 from pathlib import PurePosixPath, PureWindowsPath
 
+import attrs
 from attrs import frozen
 
 from mcsl_core.timing import FrameRange
 
 from .cmx_writing import PROGRAMME_REEL, reels_of
 from .conformed import MARK
-from .found import FoundClip
+from .found import FoundClip, Reference
 from .model import Angle, Clip, Medium, Sequence
 from .timecode import day_s
 from .xml_text import plain
@@ -53,6 +56,7 @@ class Placer:
         reels = reels_of([angle.camera for angle in cut.angles])
         self._reels = {reel: camera for camera, reel in reels.items()}
         laid = [*cut.shown(), *(clip for angle in cut.angles for clip in angle.clips)]
+        self._stops = [shot.range.stop for shot in cut.shots]
         self._begins = {(clip.camera, clip.range.start) for clip in laid}
 
     def is_conformed(self, clip: FoundClip) -> bool:
@@ -65,21 +69,41 @@ class Placer:
         """Where the clip stands in the programme; None where it is of other media."""
         chosen = self._cameras.get(clip.angle) if clip.angle is not None else None
         if clip.angle is not None and not clip.path:  # of the multicam clip, whose time is the programme's
-            camera = chosen or self._cameras.get(clip.name)
+            camera = self._cameras.get(clip.name) if clip.angle == "" else chosen
             return None if camera is None else Placed(self._programme_frame(clip), camera)
+        active = clip if clip.active is None else self._active(clip, clip.active)
+        own = self._medium(active)
+        if own is not None and clip.active is not None:  # the file says more than what it is called
+            chosen = self._owner[own]
         if self.is_conformed(clip):
+            if own is None and not self.is_conformed(active):
+                return None
             start = self._programme_frame(clip)
             named = chosen or self._cameras.get(clip.name)
-            return Placed(start, named or self._camera_at(start), conformed=True)
+            return Placed(start, named or self._camera_in(start, start + len(clip.range)), conformed=True)
         medium = self._medium(clip)
-        return None if medium is None else Placed(self._frame_of(clip, medium), chosen or self._owner[medium])
+        if medium is None or own is None:
+            return None
+        start = self._frame_of(clip, medium)
+        if start != clip.range.start and self._frame_of(active, own) == clip.range.start:
+            start = clip.range.start  # it was made to fit the medium that is shown
+        return Placed(start, chosen or self._owner[medium])
+
+    def _active(self, clip: FoundClip, active: Reference) -> FoundClip:
+        """The clip with the medium that it shows; of two that are called alike, the one of the chosen angle."""
+        name = clip.angle if clip.angle in self._cameras else clip.name
+        return attrs.evolve(clip, name=name, path=active.path, zero_s=active.zero_s, active=None)
 
     def _programme_frame(self, clip: FoundClip) -> int:
         return round((clip.source_s - (clip.zero_s or 0)) * self._cut.rate)
 
-    def _camera_at(self, frame: int) -> str:
-        """Whom the cut shows there: what a conformed clip says whose name was changed."""
-        return next((s.camera for s in self._cut.shots if frame in s.range), self._cut.shots[-1].camera)
+    def _camera_in(self, start: int, stop: int) -> str:
+        """Whom the cut shows most there: what a conformed clip says whose name was changed."""
+        first = min(bisect_right(self._stops, start), len(self._stops) - 1)
+        frames: Counter[str] = Counter({self._cut.shots[first].camera: 0})
+        for shot in self._cut.shots[first : bisect_left(self._stops, stop) + 1]:
+            frames[shot.camera] += max(0, min(stop, shot.range.stop) - max(start, shot.range.start))
+        return frames.most_common(1)[0][0]
 
     def _medium(self, clip: FoundClip) -> Medium | None:
         """The camera file that a clip is of: the one whose path ends most alike, else the one that is called so."""
