@@ -12,6 +12,7 @@ import attrs
 from attrs import frozen
 
 from mcsl_core.edl import Edl, Override
+from mcsl_core.errors import DocumentError
 from mcsl_core.progress import counted
 from mcsl_core.timing import FrameRange, format_time, joined, merge_equal
 
@@ -55,18 +56,26 @@ def find_changes(cut: Cut, found: FoundCut, layout: Layout) -> Changes:
         As the editor left it.
     layout
         How the format holds angles.
+
+    Raises
+    ------
+    DocumentError
+        Where no clip that came back is of the cut's media.
     """
     placer = Placer(cut)
     seen = _Seen(cut, found, placer)
     exact = any(map(placer.is_conformed, found.clips))
     was = paint(cut.frames, _exported(cut, "multicam" if exact else layout))
+    if not seen.known and any(camera for _, camera in was):
+        remedy = "Relink them to the cameras' files, or hand in the EDL that it was exported from with --edl"
+        raise DocumentError("none of its clips is of this EDL's media", remedy=remedy)
     cameras: list[tuple[FrameRange, str]] = []
     removed: list[FrameRange] = []
-    for piece, (before, now) in beside(cut.frames, was, seen.painted):
-        if now is None and before is not None:
-            removed.append(piece)
-        elif now is not None and now != before:
+    for piece, (before, now, retimed) in beside(cut.frames, was, seen.painted, seen.retimed):
+        if now is not None and now != before:
             cameras.append((piece, now))
+        elif now is None and before is not None and retimed is None:
+            removed.append(piece)
     notes = (*found.notes, *seen.notes(), *_marker_notes(cut, found))
     return Changes(tuple(merge_equal(cameras)), tuple(joined(removed)), notes)
 
@@ -97,7 +106,13 @@ class _Seen:
         self._foreign = [clip for clip, where in placed if where is None]
         self._parts = self._visible([(clip, where) for clip, where in self._placed if clip.enabled])
         by_layer = sorted(self._parts, key=lambda part: part[0].layer)
-        self.painted = paint(cut.frames, [(piece, camera) for _, piece, camera in by_layer])
+        self.painted = paint(cut.frames, [(piece, camera) for clip, piece, camera in by_layer if not clip.retimed])
+        self.retimed = paint(cut.frames, [(piece, camera) for clip, piece, camera in by_layer if clip.retimed])
+
+    @property
+    def known(self) -> bool:
+        """Whether any clip is of the programme."""
+        return bool(self._placed)
 
     def _visible(self, known: list[tuple[FoundClip, Placed]]) -> list[tuple[FoundClip, FrameRange, str]]:
         """(clip, programme frames, camera) of what is not covered, in the order of the sequence."""

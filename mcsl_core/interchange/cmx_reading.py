@@ -16,11 +16,12 @@ from .timecode import count_of, day_s, may_drop
 
 WHAT = "an edit decision list (CMX3600)"
 _CODE = r"(\d{2}:\d{2}:\d{2}[:;.,]\d{2})"
-_EVENT = re.compile(rf"(\d+)\s+(\S.*?)\s+(\S+)\s+([CDWK]\S*)\s+(?:\S+\s+)?{_CODE}\s+{_CODE}\s+{_CODE}\s+{_CODE}")
+_EVENT = re.compile(rf"(\d+)\s+(\S.*?)\s+(\S+)\s+([CDWK]\S*)\s+(?:(\S+)\s+)?{_CODE}\s+{_CODE}\s+{_CODE}\s+{_CODE}")
 _COMMENT = re.compile(r"\*?\s*(FROM CLIP NAME|SOURCE FILE|FROM FILE|LOC|MCSL CUT SHOWN|MCSL CUT)\s*:\s*(.*)")
 _LOCATOR = re.compile(rf"{_CODE}\s+\S+\s*(.*)")
 _CUT = re.compile(rf"([0-9a-f]{{16}})\s+{_CODE}")
 _BLACK = ("BL", "BLACK")
+_Event = tuple[re.Match[str], bool, dict[str, str]]  # and whether its timecode is drop-frame, and its comments
 
 
 def read_cmx(path: Path, rate: Fraction) -> FoundCut:
@@ -51,7 +52,7 @@ class _Reader:
         self.notes: list[str] = []
 
     def read(self, lines: list[str]) -> FoundCut:
-        events: list[tuple[re.Match[str], bool, dict[str, str]]] = []
+        events: list[_Event] = []
         shown: list[str] = []
         markers, basis, zero = [], "", None
         for number, line in enumerate(map(str.strip, lines), start=1):
@@ -71,12 +72,19 @@ class _Reader:
                     events[-1][2][name] = text
             elif line.startswith("M2"):
                 self.notes.append(f"a change of speed in line {number}")
+                if events:
+                    events[-1][2]["M2"] = line
         if not events:
             raise DocumentError("has no events", where=str(self._path), remedy=f"Check that it is {WHAT}")
         pictures = [event for event in events if event[0][3] in ("V", "B") or event[0][3].startswith("AA/V")]
         if zero is None and pictures:
-            zero = self._count(pictures[0][0][7], pictures[0][1])
-        clips = [clip for event in pictures for clip in self._clip(*event, zero or 0)]
+            zero = self._count(pictures[0][0][8], pictures[0][1])
+        following = [*(event for event, _, _ in pictures[1:]), None]
+        clips = [
+            clip
+            for event, after in zip(pictures, following, strict=True)
+            for clip in self._clip(*event, zero or 0, after)
+        ]
         return FoundCut(
             rate=self._rate,
             clips=tuple(clips),
@@ -85,13 +93,20 @@ class _Reader:
             notes=tuple(self.notes),
         )
 
-    def _clip(self, event: re.Match[str], drop: bool, said: dict[str, str], zero: int) -> Iterator[FoundClip]:
+    def _clip(
+        self, event: re.Match[str], drop: bool, said: dict[str, str], zero: int, after: re.Match[str] | None
+    ) -> Iterator[FoundClip]:
+        """An event's clip; under a transition into it, or into the one ``after`` it, the cut is in the middle."""
         number, reel, _, kind = event.groups()[:4]
         if kind != "C":
             self.notes.append(f"the transition {kind} of event {number}")
-        marked = ";" in event[7]  # then a label without it is none of drop-frame, whatever the list says
-        source = self._count(event[5], drop and not marked)
-        start, stop = (self._since(zero, self._count(code, drop)) for code in (event[7], event[8]))
+        marked = ";" in event[8]  # then a label without it is none of drop-frame, whatever the list says
+        late = _half(event)
+        source = self._count(event[6], drop and not marked) + late
+        start, stop = (self._since(zero, self._count(code, drop)) for code in (event[8], event[9]))
+        start += late
+        if after is not None and after[8] == event[9]:
+            stop += _half(after)
         if reel in _BLACK or start >= stop:
             return
         yield FoundClip(
@@ -101,6 +116,7 @@ class _Reader:
             path=said.get("SOURCE FILE", said.get("FROM FILE", "")),
             reel=reel,
             source_s=source / self._rate,
+            retimed="M2" in said,
         )
 
     def _since(self, zero: int, count: int) -> int:
@@ -115,3 +131,9 @@ class _Reader:
         except UsageError as error:
             where = f"{self._path}, line {line}" if line else str(self._path)
             raise DocumentError(error.what, where=where, remedy="Check the rate of the EDL and of this list") from error
+
+
+def _half(event: re.Match[str]) -> int:
+    """Frames from where an event's dissolve or wipe begins to its middle; where the cut was, a list does not say."""
+    lasts = event[5] or ""
+    return int(lasts) // 2 if event[4][0] in "DW" and re.fullmatch(r"\d{1,4}", lasts) else 0

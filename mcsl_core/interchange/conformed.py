@@ -20,7 +20,6 @@ from mcsl_core.media.appending import append
 from mcsl_core.media.probing import probe
 from mcsl_core.progress import Progress
 from mcsl_core.recording.footage import footage_of
-from mcsl_core.temporary import open_private
 
 from .model import Medium
 
@@ -92,7 +91,7 @@ def write_sound(conformed: Conformed, edl: Edl, path: Path) -> None:
     assert conformed.sound is not None
     samples = ceil(edl.frames / edl.rate * AUDIO_RATE)
     written = round(edl.frames / edl.rate * AUDIO_RATE)
-    with conformed.sound.open("rb") as source, writing(path), open_private(path, "wb") as target:
+    with conformed.sound.open("rb") as source, writing(path), path.open("wb") as target:
         source.seek(len(wav_header(written)))
         target.write(wav_header(samples))
         shutil.copyfileobj(source, target, 1 << 20)

@@ -88,7 +88,7 @@ def export(edl_path: Path, out: Path, settings: ExportSettings, progress: Progre
     wanted = Wanted(
         name=out.stem,
         start=settings.start,
-        sound_camera=None if settings.exact else source.sound_camera,
+        sound_camera=source.sound_camera,
         programme=programme,
         sound=sound,
     )

@@ -7,10 +7,10 @@ import xml.etree.ElementTree as ET
 from fractions import Fraction
 from pathlib import Path
 
-from mcsl_core.errors import DocumentError
+from mcsl_core.errors import DocumentError, Fault
 from mcsl_core.timing import FrameRange
 
-from .found import FoundClip, FoundCut
+from .found import FoundClip, FoundCut, bounded
 from .origin import ORIGIN
 from .xml_text import path_of, read_xml
 
@@ -44,7 +44,10 @@ def read_fcpxml(path: Path) -> FoundCut:
     sequences = root.findall(".//project/sequence")
     if not sequences:
         raise DocumentError("has no project with a sequence", where=str(path), remedy="Export the project itself")
-    found = _Reader(root, sequences[0], path).read()
+    try:
+        found = _Reader(root, sequences[0], path).read()
+    except Fault as fault:
+        raise DocumentError(str(fault), where=str(path), remedy="Export it again from the editor") from fault
     if len(sequences) > 1:
         names = ", ".join(repr(one.get("name", "")) for one in root.findall(".//project")[1:])
         found.notes.append(f"of {len(sequences)} projects the first is read, not {names}")
@@ -150,6 +153,7 @@ class _Reader:
                 path=path,
                 source_s=start_s,
                 zero_s=zero_s,
+                retimed=item.find("timeMap") is not None,
             )
         )
 
@@ -189,7 +193,7 @@ class _Reader:
             raise self._fault(f"lane={item.get('lane')!r} is no whole number") from None
 
     def _frame(self, seconds: Fraction) -> int:
-        return round(seconds * self._rate)
+        return bounded(round(seconds * self._rate))
 
     def _time(self, element: ET.Element, name: str, otherwise: Fraction = Fraction(0)) -> Fraction:
         said = element.get(name)
@@ -198,7 +202,7 @@ class _Reader:
         match = _TIME.fullmatch(said)
         if match is None or (match[2] is not None and int(match[2]) == 0):
             raise self._fault(f"{name}={said[:40]!r} of <{element.tag}> is no time")
-        return Fraction(int(match[1]), int(match[2] or 1))
+        return bounded(Fraction(int(match[1]), int(match[2] or 1)))
 
     def _fault(self, what: str) -> DocumentError:
         return DocumentError(what, where=str(self._path), remedy="Export it again from the editor")

@@ -51,6 +51,8 @@ FORMATS = {
     ".otio": Format("OpenTimelineIO", "layers", write_otio, lambda path, _: read_otio(path)),
     ".edl": Format("CMX3600", "single", write_cmx, read_cmx),
 }
+_WITHIN = {".fcpxml": b"<fcpxml", ".xml": b"<xmeml", ".otio": b'"OTIO_SCHEMA"', ".edl": b"TITLE:"}  # near the beginning
+_BEGINNING = 4096
 READ_ALSO = {".fcpxmld": FORMATS[".fcpxml"]}  # a folder with the document in it
 
 
@@ -66,3 +68,13 @@ def format_to_write(path: Path) -> Format:
 def format_to_read(path: Path) -> Format | None:
     """The format that ``path`` is called after, or None."""
     return (FORMATS | READ_ALSO).get(path.suffix.lower())
+
+
+def format_within(path: Path) -> Format | None:
+    """The format that a file looks like by its first bytes, whatever it is called; None where it looks like none."""
+    try:
+        with path.open("rb") as stream:
+            begin = stream.read(_BEGINNING)
+    except OSError:  # a folder among them
+        return None
+    return next((FORMATS[suffix] for suffix, word in _WITHIN.items() if word in begin), None)

@@ -68,13 +68,13 @@ class _Reader:
         shown = track.get("enabled", True)
         for child in track["children"]:
             kind = _kind(child)
-            at = round(at_s * self._rate)
+            at = bounded(round(at_s * self._rate))
             if kind == "Transition":
                 self.notes.append(f"a transition at frame {at}")
                 continue
             span = child.get("source_range") or _available(child)
             lasts_s = seconds(span["duration"])
-            stop = round((at_s + lasts_s) * self._rate)
+            stop = bounded(round((at_s + lasts_s) * self._rate))
             name = str(child.get("name", ""))
             for effect in child.get("effects", ()):
                 what = effect.get("effect_name") or effect.get("name") or _kind(effect)
@@ -109,7 +109,7 @@ class _Reader:
         )
 
     def _frames(self, time: dict[str, Any]) -> int:
-        return round(seconds(time) * self._rate)
+        return bounded(round(seconds(time) * self._rate))
 
 
 def rate_of(value: Any) -> Fraction:

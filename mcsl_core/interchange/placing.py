@@ -144,8 +144,8 @@ class Placer:
     def _nearest(self, clip: FoundClip, pieces: list[Clip], picture: Fraction) -> int:
         """The frame of a camera of another rate, of which a picture stands for more or less than one.
 
-        Formats that count in whole pictures or frames are off by one of them: where a clip began when it was exported
-        is likelier than what is beside it.
+        Formats that count in whole pictures or frames are off by one of them. What would be written as the picture that
+        was found comes first; of that, where the clip lies or where one began when it was exported.
         """
         camera, speed = pieces[0].camera, pieces[0].speed
         off = max(1 / speed, Fraction(1))
@@ -159,8 +159,18 @@ class Placer:
             return round(nearest.range.start + (picture - nearest.source) / speed)
         around = sorted({floor(e) + n for e in exact for n in range(-1, ceil(off) + 2)})
         close = [n for n in around if any(abs(n - e) <= off for e in exact)]
-        known = [n for n in close if (camera, n) in self._begins]
-        return clip.range.start if clip.range.start in (known or close) else (known or [round(exact[0])])[0]
+        written = [n for n in close if any(self._writes(piece, n, picture) for piece in pieces if n in piece.range)]
+        known = [n for n in written or close if (camera, n) in self._begins]
+        likely = written if clip.range.start in written else known or close
+        return clip.range.start if clip.range.start in likely else (known or written or [round(exact[0])])[0]
+
+    def _writes(self, piece: Clip, frame: int, picture: Fraction) -> bool:
+        """Whether an export says ``picture`` of a clip that begins at ``frame``: in pictures, frames, or exactly."""
+        source = piece.source + (frame - piece.range.start) * piece.speed
+        if picture in (source, floor(source)):
+            return True
+        begin, frames = piece.medium.start, self._cut.rate / piece.medium.rate
+        return (begin + picture) * frames == floor((begin + source) * frames)
 
 
 def shown(clip: FoundClip, placed: Placed, piece: FrameRange) -> FrameRange | None:

@@ -9,7 +9,7 @@ from attrs import frozen
 from mcsl_core import edl as edls
 from mcsl_core.edl import Edl
 from mcsl_core.edl.edits import rebased
-from mcsl_core.errors import InputError, UsageError
+from mcsl_core.errors import DocumentError, InputError, UsageError
 from mcsl_core.outputs.claim import claim
 from mcsl_core.outputs.inputs import inputs_of
 from mcsl_core.outputs.locks import changing
@@ -19,7 +19,7 @@ from mcsl_core.recording.footage import footage_of
 from mcsl_core.timing import FrameRange, format_time
 
 from .changes import with_cameras
-from .formats import Format, format_to_read
+from .formats import FORMATS, Format, format_to_read, format_within
 from .found import FoundCut
 from .origin import basis_of
 from .sequence import Wanted, sequence_of
@@ -76,11 +76,23 @@ def pull(
 
 def changes_in(document: Path, form: Format, edl: Edl, base: Path) -> Merged:
     """What was changed in the document since it was exported from the EDL, whose paths are relative to ``base``."""
-    found = form.read(document, edl.rate)
+    try:
+        found = form.read(document, edl.rate)
+    except DocumentError as error:
+        like = format_within(document)
+        if like is None or like is form:
+            raise
+        suffix = next(suffix for suffix, one in FORMATS.items() if one is like)
+        what, remedy = f"is {like.name} by what it holds, not {form.name}", f"Let its name end in {suffix}"
+        raise DocumentError(what, where=str(document), remedy=remedy) from error
     _check(found, edl, document)
     footage = footage_of(edl, base)
     parts = {camera.name: footage.parts(camera.name) for camera in edl.cameras}
-    return compared(sequence_of(edl, parts, Wanted(name=document.stem)), edl, found, form.layout)
+    cut = sequence_of(edl, parts, Wanted(name=document.stem))
+    try:
+        return compared(cut, edl, found, form.layout)
+    except DocumentError as error:
+        raise DocumentError(error.what, where=str(document), remedy=error.remedy) from error
 
 
 def told(found: Merged, edl: Edl) -> list[str]:

@@ -32,7 +32,7 @@ class Wanted:
     start
         What frame 0 is called; with a semicolon the timecode is drop-frame.
     sound_camera
-        Whose sound is heard, where it is not conformed; None for none.
+        Whose sound is heard; None for none.
     programme, sound
         The conformed pictures, which the shots then show, and the conformed sound.
     """
@@ -67,10 +67,12 @@ def sequence_of(edl: Edl, parts: Mapping[str, Sequence[Part]], wanted: Wanted) -
         raise UsageError(f"there is no drop-frame timecode at {edl.rate} frames/s", remedy="Write it with a colon")
     laid = {camera.name: laid_files(edl, camera, parts[camera.name]) for camera in edl.cameras}
     order = sorted(edl.cameras, key=lambda camera: camera.name == edl.reference)  # stable: the reference last
-    heard = laid[wanted.sound_camera] if wanted.sound_camera is not None else ()
+    heard = laid[wanted.sound_camera] if wanted.sound_camera is not None and wanted.programme is None else ()
     sound = tuple(clip for clip in heard if clip.medium.channels)
     if wanted.sound is not None:
-        sound = (Clip(edl.reference, FrameRange(0, edl.frames), wanted.sound, Fraction(0), edl.rate),)
+        sound = (
+            Clip(wanted.sound_camera or edl.reference, FrameRange(0, edl.frames), wanted.sound, Fraction(0), edl.rate),
+        )
     return Cut(
         name=wanted.name,
         rate=edl.rate,

@@ -7,10 +7,10 @@ import xml.etree.ElementTree as ET
 from fractions import Fraction
 from pathlib import Path
 
-from mcsl_core.errors import DocumentError
+from mcsl_core.errors import DocumentError, Fault
 from mcsl_core.timing import FrameRange
 
-from .found import FoundClip, FoundCut
+from .found import FoundClip, FoundCut, bounded
 from .model import Transform
 from .origin import ORIGIN
 from .xml_text import path_of, read_xml
@@ -31,7 +31,16 @@ def read_xmeml(path: Path) -> FoundCut:
     sequence = root.find(".//sequence")
     if sequence is None:
         raise DocumentError("has no sequence", where=str(path), remedy="Export the sequence itself")
-    return _Reader(root, sequence, path).read()
+    reader = _Reader(root, sequence, path)
+    inside = set(sequence.iter("sequence"))  # nested in it
+    others = [repr(one.findtext("name", "")) for one in root.iter("sequence") if one not in inside]
+    if others:
+        name = sequence.findtext("name", "")
+        reader.notes.append(f"of {len(others) + 1} sequences the first is read, {name!r}, not {', '.join(others)}")
+    try:
+        return reader.read()
+    except Fault as fault:
+        raise DocumentError(str(fault), where=str(path), remedy="Export it again from the editor") from fault
 
 
 class _Reader:
@@ -70,7 +79,7 @@ class _Reader:
     def _clip(self, items: list[ET.Element], index: int, layer: int, shown: bool) -> list[FoundClip]:
         item = items[index]
         name = item.findtext("name", "")
-        start, stop = self._ends(items, index)
+        start, stop, late = self._ends(items, index)
         if not 0 <= start < stop:
             self.notes.append(f"the clip {name!r} before the sequence's start, or of no length")
             return []
@@ -79,8 +88,8 @@ class _Reader:
         if file is None:
             self.notes.append(f"the clip {name!r} at frame {start}, which is nested or a multiclip")
             return []
+        assert self._rate is not None
         rate = self._rate_of(item) or self._rate
-        assert rate is not None
         described = self._files.get(file.get("id"), file)
         return [
             FoundClip(
@@ -89,8 +98,9 @@ class _Reader:
                 layer=layer,
                 enabled=shown and item.findtext("enabled", "TRUE").strip().upper() != "FALSE",
                 path=path_of(described.findtext("pathurl", "").strip()),
-                source_s=self._number(item, "in") / rate,
+                source_s=self._number(item, "in") / rate + late / self._rate,
                 zero_s=Fraction(0),
+                retimed=any(map(_retimes, item.findall("./filter/effect"))),
                 transform=self._motion(item),
             )
         ]
@@ -113,14 +123,24 @@ class _Reader:
         except ValueError:
             return None
 
-    def _ends(self, items: list[ET.Element], index: int) -> tuple[int, int]:
-        """Where an item begins and ends; a transition beside it says so in its place."""
-        start, stop = self._number(items[index], "start"), self._number(items[index], "end")
+    def _ends(self, items: list[ET.Element], index: int) -> tuple[int, int, int]:
+        """(where an item begins, where it ends, how long after its ``in`` it begins).
+
+        A transition beside it says so in its place: the item is taken to reach up to the cut under the transition, its
+        ``in`` and ``out`` lie at the transition's ends.
+        """
+        start, stop, late = self._number(items[index], "start"), self._number(items[index], "end"), 0
         if start == _TAKEN_UP and index and items[index - 1].tag == "transitionitem":
-            start = self._number(items[index - 1], "start")
+            start = self._cut_under(items[index - 1])
+            late = start - self._number(items[index - 1], "start")
         if stop == _TAKEN_UP and index + 1 < len(items) and items[index + 1].tag == "transitionitem":
-            stop = self._number(items[index + 1], "end")
-        return start, stop
+            stop = self._cut_under(items[index + 1])
+        return start, stop, late
+
+    def _cut_under(self, transition: ET.Element) -> int:
+        start, stop = self._number(transition, "start"), self._number(transition, "end")
+        kind = transition.findtext("alignment", "center").strip().partition("-")[0]  # "start-black": from black
+        return {"start": start, "end": stop}.get(kind, (start + stop) // 2)
 
     def _note_effects(self, item: ET.Element, name: str, start: int) -> None:
         for effect in item.findall("./filter/effect"):
@@ -142,10 +162,22 @@ class _Reader:
         text = (element.findtext(tag) or "").strip()
         if not re.fullmatch(r"-?\d{1,18}", text):
             raise self._fault(f"<{tag}>{text[:40]}</{tag}> of <{element.tag}> is no whole number")
-        return int(text)
+        return bounded(int(text))
 
     def _fault(self, what: str) -> DocumentError:
         return DocumentError(what, where=str(self._path), remedy="Export it again from the editor")
+
+
+def _retimes(effect: ET.Element) -> bool:
+    """Whether an effect changes the speed; the one of its name at a speed of 100 percent does not."""
+    if effect.findtext("effectid", "").strip() != "timeremap":
+        return False
+    said = {p.findtext("parameterid", ""): p.findtext("value", "").strip().upper() for p in effect.findall("parameter")}
+    try:
+        plain = float(said.get("speed", "nan")) == 100
+    except ValueError:
+        plain = False
+    return not plain or said.get("reverse") == "TRUE" or said.get("variablespeed", "0") not in ("0", "FALSE")
 
 
 def _decimal(element: ET.Element | None, tag: str, otherwise: float) -> float:

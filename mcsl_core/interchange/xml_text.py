@@ -12,6 +12,7 @@ from mcsl_core.errors import DocumentError
 from mcsl_core.input_files import read_text
 
 MOST_BYTES = 512 << 20  # a cut of a hundred thousand shots has a tenth of it
+_MOST_DEPTH = 100  # readers go down into what is nested
 _UNSAID = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # XML 1.0 has no other characters
 _DRIVE = re.compile(r"/?[A-Za-z]:[/\\]")
 
@@ -54,7 +55,16 @@ def read_xml(path: Path, root: str, what: str) -> ET.Element:
         raise DocumentError(f"is not XML ({error})", where=str(path), remedy=remedy) from error
     if found.tag != root:
         raise DocumentError(f"is {found.tag}, not {what}", where=str(path), remedy=remedy)
+    if _deeper(found, _MOST_DEPTH):
+        raise DocumentError(f"is nested more than {_MOST_DEPTH} deep", where=str(path), remedy=remedy)
     return found
+
+
+def _deeper(root: ET.Element, most: int) -> bool:
+    level = [root]
+    for _ in range(most):
+        level = [child for element in level for child in element]
+    return bool(level)
 
 
 def file_url(path: Path) -> str:

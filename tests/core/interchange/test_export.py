@@ -103,6 +103,51 @@ def test_the_conformed_programme_is_one_video_and_one_sound(recording, monkeypat
             samples = conformed.readframes(1 << 30)
             assert sound.readframes(1 << 30)[: len(samples)] == samples
     run("export", edl, "-o", out, "--exact")  # what is ours is written again
+    modes = {path.suffix: path.stat().st_mode & 0o777 for path in recording.glob("cut.programme.*")}
+    assert modes[".wav"] == modes[".mp4"]  # who may see the pictures may hear them
+
+
+def test_the_conformed_sound_is_called_after_its_camera(recording):
+    edl, out = recording / "edl.json", recording / "cut.xml"
+    edls.save(make(reference="b"), edl)
+    run("conform", edl, "--audio", "a", "--quality", "draft")
+    run("export", edl, "-o", out, "--exact", "--audio", "a")
+    assert [item.findtext("name") for item in by_lxml(out.read_bytes()).findall(".//audio/track/clipitem")] == ["a"]
+
+
+def test_a_document_that_is_called_after_another_format_is_told_what_it_is(recording):
+    edl = recording / "edl.json"
+    for suffix, wrong in (("xml", "otio"), ("otio", "fcpxml"), ("fcpxml", "edl"), ("edl", "xml")):
+        run("export", edl, "-o", recording / f"cut.{suffix}")
+        (recording / f"wrong.{wrong}").write_bytes((recording / f"cut.{suffix}").read_bytes())
+        with pytest.raises(InputError, match=rf"wrong\.{wrong}: is .* by what it holds.*end in \.{suffix}$"):
+            pull(recording / f"wrong.{wrong}", edl)
+
+
+def test_what_was_decided_since_the_export_stays_and_is_told(recording):
+    edl, out = recording / "edl.json", recording / "cut.fcpxml"
+    run("export", edl, "-o", out)
+    edls.save(make(overrides=(Override(R(60, 70), camera="a", note="the surgeon wants this"),)), edl)
+    before = edl.read_bytes()
+    done = CliRunner().invoke(cli, ["--progress", "lines", "pull", str(out), "--edl", str(edl)])
+    assert "kept: frames [60, 70) (0:00:02.0 to 0:00:02.3) show a, which was decided" in done.output + done.stderr
+    assert "0 changes, 1 override" in done.output
+    assert edl.read_bytes() == before
+    root = by_lxml(out.read_bytes())
+    source = root.findall(".//spine/mc-clip")[1].find("mc-source")
+    source.set("angleID", root.find(".//mc-angle[@name='a']").get("angleID"))
+    (recording / "back.fcpxml").write_bytes(etree.tostring(root))
+    said = run("pull", recording / "back.fcpxml", "--edl", edl)
+    assert (said["changed"], said["kept"]) == ([[50, 60, "a"], [70, 130, "a"]], [])
+    assert Override(R(60, 70), camera="a", note="the surgeon wants this") in edls.load(edl).overrides
+
+
+def test_media_of_another_edl_are_told(recording):
+    edl, out = recording / "edl.json", recording / "cut.otio"
+    run("export", edl, "-o", out)
+    out.write_text(out.read_text("utf-8").replace("a.mp4", "x.mp4").replace("b.mp4", "y.mp4"), "utf-8")
+    with pytest.raises(InputError, match=r"cut\.otio: none of its clips is of this EDL's media\. Relink"):
+        pull(out, edl)
 
 
 def test_a_part_that_is_not_conformed_any_more_is_missed(recording, monkeypatch):
