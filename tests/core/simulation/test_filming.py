@@ -61,8 +61,8 @@ def test_the_machines_cores_do_not_show_in_the_files(tmp_path):
 
 @pytest.fixture(scope="module")
 def film(tmp_path_factory: pytest.TempPathFactory) -> Film:
-    """A minute that nobody waits for."""
-    scenario = attrs.evolve(BUSY, duration_s=60)
+    """An hour that nobody waits for: on a busy machine a minute of so small pictures was filmed before the stop."""
+    scenario = attrs.evolve(BUSY, duration_s=3600)
     scene = Scene.of(scenario)
     return Film(scene, Ground.of(scenario, scene.surface, scene.rig), Recorder(), tmp_path_factory.mktemp("film"))
 
