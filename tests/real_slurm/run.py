@@ -6,7 +6,8 @@ WORK takes everything: Debian's packages of Slurm and munge (unpacked there, not
 an archive of simulated operations, results. This Python has the extra `archive` and
 snakemake-executor-plugin-slurm. The daemons listen on the loopback interface. It
 
-- works the archive through by `mcsl archive --profile` while running jobs are killed by scancel;
+- works the archive through by `mcsl archive --profile` while running jobs are killed by scancel, and while a node dies
+  in the middle with all that runs on it, and comes back;
 - holds EDLs, chunks and videos against those of the same archive worked through without a cluster;
 - says on which nodes jobs ran, and ends with 1 where something is not as it should be.
 
@@ -29,13 +30,17 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
+import psutil
+
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import Scenario, simulate
 
 PORT = 26817
 NODES = ("node1", "node2")
-OPERATIONS = 3
+OPERATIONS = 8
 KILLS = 3
+NODE_DIES_AT = 12  # jobs seen
+NODE_IS_AWAY_S = 10
 SCENE = Scenario(seed=5, duration_s=12, size=(128, 72), rate=5, cameras=2, movements=0)
 CONFIGURATION = """
 ClusterName=mcsl
@@ -62,6 +67,7 @@ MpiDefault=none
 MinJobAge=3600
 CommunicationParameters=NoCtldInAddrAny,NoInAddrAny
 ReturnToService=2
+SlurmdTimeout=30
 {nodes}
 PartitionName=batch Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 """
@@ -82,6 +88,8 @@ class Cluster:
 
     def __init__(self, work: Path) -> None:
         self.work, self.root = work, work / "root"
+        self.started: list[subprocess.Popen[bytes]] = []
+        self.nodes: dict[str, subprocess.Popen[bytes]] = {}
         libraries = self.root / "usr/lib/x86_64-linux-gnu"
         self.plugins = libraries / "slurm-wlm"
         self.environment = {
@@ -129,21 +137,46 @@ class Cluster:
         commands = [
             [str(sbin / "munged"), *munge],
             [str(sbin / "slurmctld-wlm"), "-D"],
-            *([str(sbin / "slurmd-wlm"), "-D", "-N", node, "-d", str(sbin / "slurmstepd-wlm")] for node in NODES),
         ]
-        started: list[subprocess.Popen[bytes]] = []
         try:
             for command in commands:
-                log = (work / f"{Path(command[0]).name}.out").open("ab")
-                started.append(subprocess.Popen(command, env=self.environment, stdout=log, stderr=log))
-                time.sleep(2)
+                self._start(command)
+            for node in NODES:
+                self.nodes[node] = self._start_node(node)
             self.wait_until_idle()
             yield
         finally:
-            for child in reversed(started):
+            for child in reversed(self.started):
                 child.terminate()
-            for child in started:
+            for child in self.started:
                 child.wait(30)
+
+    def _start(self, command: list[str]) -> subprocess.Popen[bytes]:
+        log = (self.work / f"{Path(command[0]).name}.out").open("ab")
+        self.started.append(subprocess.Popen(command, env=self.environment, stdout=log, stderr=log))
+        time.sleep(2)
+        return self.started[-1]
+
+    def _start_node(self, node: str) -> subprocess.Popen[bytes]:
+        sbin = self.root / "usr/sbin"
+        return self._start([str(sbin / "slurmd-wlm"), "-D", "-N", node, "-d", str(sbin / "slurmstepd-wlm")])
+
+    def kill_node(self, node: str) -> int:
+        """Ends a node and all that runs on it as a power cut would, and starts it again; how many processes went."""
+        jobs = self.call("squeue", "-h", "-t", "RUNNING", "-w", node, "-o", "%i").split()
+        self.nodes[node].kill()
+        doomed = {
+            each
+            for process in psutil.process_iter(["cmdline"])
+            if any(f"slurmstepd: [{job}." in " ".join(process.info["cmdline"] or ()) for job in jobs)
+            for each in (process, *process.children(recursive=True))
+        }
+        for process in doomed:
+            with contextlib.suppress(psutil.Error):
+                process.kill()
+        time.sleep(NODE_IS_AWAY_S)
+        self.nodes[node] = self._start_node(node)
+        return len(doomed)
 
     def call(self, *words: str) -> str:
         return subprocess.run(words, env=self.environment, capture_output=True, text=True, check=False).stdout
@@ -168,10 +201,11 @@ def archived(cluster: Cluster, out: Path, *more: str) -> subprocess.Popen[bytes]
     return subprocess.Popen(command, env=cluster.environment)
 
 
-def watched(cluster: Cluster, child: subprocess.Popen[bytes]) -> tuple[Counter[str], int]:
-    """Until the run ends: which nodes had jobs, and how many jobs were killed while they ran."""
+def watched(cluster: Cluster, child: subprocess.Popen[bytes]) -> tuple[Counter[str], int, int]:
+    """Until the run ends: which nodes had jobs, how many jobs were killed, and processes with a node."""
     seen: dict[str, str] = {}
     killed: set[str] = set()
+    with_node = 0
     while child.poll() is None:
         for line in cluster.call("squeue", "-h", "-t", "RUNNING", "-o", "%i %N").splitlines():
             job, node = line.split()
@@ -179,8 +213,10 @@ def watched(cluster: Cluster, child: subprocess.Popen[bytes]) -> tuple[Counter[s
                 cluster.call("scancel", "--signal=KILL", "--full", job)
                 killed.add(job)
             seen[job] = node
+            if not with_node and len(seen) >= NODE_DIES_AT and node == NODES[1]:
+                with_node = cluster.kill_node(node)
         time.sleep(0.5)
-    return Counter(seen.values()), len(killed)
+    return Counter(seen.values()), len(killed), with_node
 
 
 def main() -> None:
@@ -201,14 +237,19 @@ def main() -> None:
     (work / "profile" / "config.yaml").write_text(PROFILE)
     assert archived(cluster, work / "calm").wait() == 0
     with cluster.running():
-        nodes, killed = watched(cluster, archived(cluster, work / "results", "--profile", str(work / "profile")))
+        nodes, killed, with_node = watched(
+            cluster, archived(cluster, work / "results", "--profile", str(work / "profile"))
+        )
         if killed:  # a job that was killed is tried again in the same run, or in the next
             archived(cluster, work / "results", "--profile", str(work / "profile")).wait()
     with (work / "results" / "operations.csv").open() as stream:
         states = Counter(row["state"] for row in csv.DictReader(stream))
     same = products(work / "results") == products(work / "calm")
-    print(f"jobs by node: {dict(nodes)}; {killed} killed; operations: {dict(states)}; products are the same: {same}")
-    if not (same and set(nodes) == set(NODES) and states == {"done": OPERATIONS}):
+    print(
+        f"jobs by node: {dict(nodes)}; {killed} killed; {with_node} processes killed with {NODES[1]}, which came back; "
+        f"operations: {dict(states)}; products are the same: {same}"
+    )
+    if not (same and with_node and set(nodes) == set(NODES) and states == {"done": OPERATIONS}):
         sys.exit(1)
 
 
