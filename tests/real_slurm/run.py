@@ -168,7 +168,7 @@ class Cluster:
         doomed = {
             each
             for process in psutil.process_iter(["cmdline"])
-            if any(f"slurmstepd: [{job}." in " ".join(process.info["cmdline"] or ()) for job in jobs)
+            if any(f"slurmstepd-wlm: [{job}." in " ".join(process.info["cmdline"] or ()) for job in jobs)
             for each in (process, *process.children(recursive=True))
         }
         for process in doomed:
