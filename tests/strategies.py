@@ -11,6 +11,7 @@ from hypothesis.strategies import DrawFn, SearchStrategy
 
 from mcsl_core.edl import (
     IDENTITY,
+    NO_SOUND,
     Camera,
     CenteringKey,
     Clock,
@@ -202,6 +203,13 @@ def centering_keys(draw: DrawFn, frames: int, most: int = 5) -> tuple[CenteringK
 
 
 @st.composite
+def removals(draw: DrawFn, frames: int) -> tuple[FrameRange, ...]:
+    """What may be removed of a programme: never everything."""
+    pieces = draw(ordered_ranges(frames))
+    return tuple(pieces) if sum(map(len, pieces)) < frames else ()
+
+
+@st.composite
 def edls(draw: DrawFn, max_frames: int = 300) -> Edl:
     """Any valid EDL, small enough to be walked frame by frame."""
     frames = draw(st.integers(1, max_frames))
@@ -221,6 +229,8 @@ def edls(draw: DrawFn, max_frames: int = 300) -> Edl:
         corrections=tuple(draw(st.lists(corrections(frames, known), max_size=2))),
         fields=tuple(draw(field_stretches(r)) for r in draw(ordered_ranges(frames))),
         drawn_fields=tuple(draw(st.lists(drawn_fields(frames), max_size=2))),
+        removed=draw(removals(frames)),
+        audio_from=draw(st.sampled_from([None, NO_SOUND, *known])),
         look=Look(*draw(st.tuples(*[st.booleans()] * 4))),
         centering=draw(centering_keys(frames)),
         scores=draw(st.none() | paths),

@@ -99,7 +99,7 @@ def read(request: ReadRequest, progress: JsonLines) -> ReadDecisions:
             )
         except InputError as error:  # what was decided can be read all the same
             progress.note(f"conformed pictures no longer show what was decided, and {error}")
-    decided = (new.overrides, new.corrections, new.look, new.drawn_fields)
+    decided = (new.overrides, new.corrections, new.look, new.drawn_fields, new.removed, new.audio_from)
     return ReadDecisions(edl_path, *decided, changed=new != edl)
 
 

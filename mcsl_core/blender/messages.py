@@ -63,6 +63,8 @@ class ReadDecisions:
     corrections: tuple[Correction, ...]
     look: Look
     drawn_fields: tuple[DrawnField, ...]
+    removed: tuple[FrameRange, ...]
+    audio_from: str | None
     changed: bool = field(metadata=doc("whether any of these differs from the EDL"))
 
 

@@ -18,8 +18,8 @@ from mcsl_core.delivery.conform import conform, default_folder
 from mcsl_core.delivery.direct import VideoFormat, write_direct
 from mcsl_core.delivery.presets import Preset, preset_of
 from mcsl_core.delivery.quality import Quality, quality_named
-from mcsl_core.delivery.source import NO_SOUND, ProgrammeSource
-from mcsl_core.edl import Edl
+from mcsl_core.delivery.source import ProgrammeSource
+from mcsl_core.edl import NO_SOUND, Edl
 from mcsl_core.errors import InputError, UsageError
 from mcsl_core.filling.provenance import ShowProvenance
 from mcsl_core.hooks.registry import filler_of

@@ -14,9 +14,9 @@ from mcsl_core.delivery.audio import sound_key
 from mcsl_core.delivery.chunk_keys import Chunk, chunks_present, media_fingerprints
 from mcsl_core.delivery.conform import default_folder
 from mcsl_core.delivery.presets import Preset, preset_of
-from mcsl_core.delivery.source import NO_SOUND
-from mcsl_core.edl import Edl
-from mcsl_core.edl.edits import rebased
+from mcsl_core.delivery.source import sound_camera
+from mcsl_core.edl import NO_SOUND, Edl
+from mcsl_core.edl.edits import DECISIONS, rebased
 from mcsl_core.errors import InputError, UsageError
 from mcsl_core.hooks.registry import filler_of
 from mcsl_core.input_files import check_file
@@ -115,7 +115,7 @@ def build_timeline(
             sound=sound,
             preset=how.preset,
             output=f"{blend_path.stem}.{how.preset.container}",
-            silent=how.audio == NO_SOUND,
+            silent=(how.audio or edl.audio_from) == NO_SOUND,
         )
         built = run_task(how.blender, request, progress)
         output.keep_backup()
@@ -179,8 +179,7 @@ def _put(decided: ReadDecisions, target: Path, blend: Path, force: bool) -> Edl:
     edl = edls.load(decided.edl)
     inputs = (*inputs_of(edl, decided.edl), blend)
     if decided.changed:
-        parts = ("overrides", "corrections", "look", "drawn_fields")
-        edl = attrs.evolve(edl, **{name: getattr(decided, name) for name in parts})
+        edl = attrs.evolve(edl, **{name: getattr(decided, name) for name in DECISIONS})
     if target.resolve() == decided.edl.resolve():
         if decided.changed:
             edls.save(edl, target)
@@ -209,7 +208,9 @@ def in_place(edl: Edl, base: Path, folder: Path) -> tuple[tuple[ConformedPiece, 
         return (), None
     folder = folder.resolve()
     pieces = tuple(piece_of(chunk, folder) for chunk in chunks_present(edl, base, folder, filler=filler_of(edl)))
-    camera = edl.reference
+    camera = sound_camera(edl)
+    if camera is None:
+        return pieces, None
     sound = folder / f"sound-{sound_key(edl, camera, media_fingerprints(edl.camera(camera), base))}.wav"
     return pieces, sound if sound.is_file() else None
 

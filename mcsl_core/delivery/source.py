@@ -6,12 +6,10 @@ from pathlib import Path
 
 from attrs import field, frozen
 
-from mcsl_core.edl import Edl
+from mcsl_core.edl import NO_SOUND, Edl
 from mcsl_core.errors import UsageError
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.protocol import Filler
-
-NO_SOUND = "none"  # in place of a camera's name
 
 
 @frozen(eq=False)
@@ -27,7 +25,7 @@ class ProgrammeSource:
     filler
         Who fills what the chosen camera does not reach.
     audio_from
-        The camera whose sound the programme has; the reference's without, and none at all for `NO_SOUND`.
+        The camera whose sound the programme has, and none at all for `NO_SOUND`; without, as the EDL has it.
 
     Raises
     ------
@@ -51,4 +49,10 @@ class ProgrammeSource:
     @property
     def sound_camera(self) -> str | None:
         """The camera whose sound the programme has, if any."""
-        return None if self.audio_from == NO_SOUND else self.audio_from or self.edl.reference
+        return sound_camera(self.edl, self.audio_from)
+
+
+def sound_camera(edl: Edl, wanted: str | None = None) -> str | None:
+    """The camera whose sound the programme has: the one that is wanted, else the EDL's, else the reference; or none."""
+    name = wanted or edl.audio_from or edl.reference
+    return None if name == NO_SOUND else name

@@ -5,7 +5,8 @@ follows from a document stands beside: `resolve` (what holds after the editor's 
 pictures lie), `edits` (changes to a whole document).
 """
 
-from .checks import IDENTITY, Matrix
+from .camera import Camera, Clock, Media
+from .checks import IDENTITY, NO_SOUND, Matrix
 from .colour import Colour, ColourKey, Matrix34
 from .field import DrawnField, FieldStretch
 from .look import Look
@@ -13,13 +14,10 @@ from .movement import Movement, MovementView
 from .outside import allowed_outside, remember
 from .relief import Relief
 from .schema import (
-    Camera,
     CenteringKey,
-    Clock,
     Correction,
     Edl,
     MadeBy,
-    Media,
     Override,
     Pose,
     Shot,
@@ -29,6 +27,7 @@ from .serialization import SCHEMA, dumps, from_json, load, loads, read, save, to
 
 __all__ = [
     "IDENTITY",
+    "NO_SOUND",
     "SCHEMA",
     "Camera",
     "CenteringKey",

@@ -18,6 +18,7 @@ LARGEST_SIDE = 16_384
 MOST_CAMERAS, MOST_FILES, MOST_POSES, MOST_DRAWN, MOST_DECISIONS = 256, 10_000, 10_000, 1_000, 100_000
 Matrix = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+NO_SOUND = "none"  # in place of the camera whose sound is taken
 UNIT = Bounds(0, 1)
 FRAMES = Bounds(1, MOST_FRAMES)
 SIDES = Bounds(1, LARGEST_SIDE)

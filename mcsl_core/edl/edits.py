@@ -13,8 +13,12 @@ from attrs import frozen
 from mcsl_core.errors import DocumentError, Fault
 from mcsl_core.timing import FrameRange
 
+from .checks import NO_SOUND
 from .field import DrawnField, Polygons
 from .schema import Camera, Edl, Override
+
+DECISIONS = ("overrides", "corrections", "drawn_fields", "removed", "audio_from", "look")
+"""The parts of an EDL that people decide."""
 
 
 @frozen
@@ -41,15 +45,16 @@ def check_decisions(old: Edl, new: Counted) -> None:
     decided = [(f"overrides[{i}]", o.camera, o.range) for i, o in enumerate(old.overrides)]
     decided += [(f"corrections[{i}]", c.camera, c.range) for i, c in enumerate(old.corrections)]
     decided += [(f"drawn_fields[{i}]", None, f.range) for i, f in enumerate(old.drawn_fields)]
-    if not decided:
+    decided += [(f"removed[{i}]", None, piece) for i, piece in enumerate(old.removed)]
+    if not decided and old.audio_from is None:
         return
-    if old.rate != new.rate:
+    if decided and old.rate != new.rate:
         raise DocumentError(
             f"the overrides count frames at {old.rate} per second, the new analysis at {new.rate}",
             remedy=f"Analyse with --rate {old.rate}, or remove the overrides from the old EDL",
         )
     check_drawn(old, new.reference)
-    if old.reference != new.reference:
+    if decided and old.reference != new.reference:
         raise DocumentError(
             f"the overrides count from the first picture of {old.reference} and are laid in its perspective, the new "
             f"analysis has {new.reference} as its reference",
@@ -63,6 +68,11 @@ def check_decisions(old: Edl, new: Counted) -> None:
             remedy="Analyse the files of that size, or into another EDL",
         )
     names = {camera.name for camera in new.cameras}
+    if old.audio_from not in (None, NO_SOUND, *names):
+        raise DocumentError(
+            f"audio_from takes the sound of {old.audio_from!r}, which the new analysis has not",
+            remedy="Name the cameras as before, or remove audio_from from the old EDL",
+        )
     for at, camera, piece in decided:
         if camera is not None and camera not in names:
             raise DocumentError(
@@ -87,7 +97,7 @@ def check_drawn(old: Edl, reference: str) -> None:
 
 def other_media(old: Edl, new: Counted) -> str:
     """What a person should know of decisions over other files than those they were taken over; "" of the same."""
-    if not (old.overrides or old.corrections or old.drawn_fields):
+    if not (old.overrides or old.corrections or old.drawn_fields or old.removed):
         return ""
     files = {camera.name: [media.fingerprint for media in camera.media] for camera in old.cameras}
     changed = [
@@ -106,7 +116,7 @@ def _is_other(before: str, now: str) -> bool:
 
 
 def carry_over(old: Edl, new: Edl) -> Edl:
-    """``new`` (a fresh analysis) with the editor's decisions of ``old``: overrides, corrections, drawn fields and look.
+    """``new`` (a fresh analysis) with what people decided in ``old``.
 
     Raises
     ------
@@ -114,7 +124,7 @@ def carry_over(old: Edl, new: Edl) -> Edl:
         As `check_decisions`.
     """
     check_decisions(old, Counted.of(new))
-    kept = {name: getattr(old, name) for name in ("overrides", "corrections", "drawn_fields", "look")}
+    kept = {name: getattr(old, name) for name in DECISIONS}
     return attrs.evolve(new, **kept)
 
 
@@ -126,7 +136,7 @@ def merged(base: Edl, mine: Edl, theirs: Edl) -> Edl:
     DocumentError
         Where both changed the same and it cannot hold both, or frames count differently now.
     """
-    counted = ("overrides", "corrections", "drawn_fields")
+    counted = ("overrides", "corrections", "drawn_fields", "removed")
     if theirs.rate != base.rate and any(getattr(mine, name) != getattr(base, name) for name in counted):
         raise _conflict("rate")
     names = [field.name for field in attrs.fields(Edl)]

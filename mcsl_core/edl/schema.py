@@ -16,10 +16,10 @@ import attrs
 from attrs import field, frozen
 from attrs.validators import optional
 
-from mcsl_core.documents import AtMost, Bounds, NotEmpty, doc, key_path
-from mcsl_core.errors import Fault
-from mcsl_core.timing import FrameRange, check_rate, check_tiles
+from mcsl_core.documents import AtMost, NotEmpty, doc, key_path
+from mcsl_core.timing import FrameRange, check_tiles
 
+from .camera import Camera, check_rate_field
 from .checks import (
     FRAMES,
     IDENTITY,
@@ -27,11 +27,10 @@ from .checks import (
     MOST_CAMERAS,
     MOST_DECISIONS,
     MOST_DRAWN,
-    MOST_FILES,
     MOST_POSES,
+    NO_SOUND,
     NOT_NEGATIVE,
     NUMBERS,
-    SECONDS,
     SIDES,
     UNIT,
     FileName,
@@ -46,64 +45,9 @@ from .movement import Movement
 from .relief import Relief
 
 
-def _positive_rate(_: Any, attribute: attrs.Attribute[Any], value: Fraction) -> None:
-    try:
-        check_rate(value)
-    except Fault as fault:
-        raise Fault(fault.what, f".{attribute.name}") from None
-
-
 def _pair(_: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
     numbers = isinstance(value, tuple) and len(value) == 2 and all(isinstance(each, Real) for each in value)
     require(numbers, f"expected two numbers, got {value!r}", f".{attribute.name}")
-
-
-@frozen
-class Media:
-    """One file of a camera; a camera's files are played one after another."""
-
-    path: str = field(
-        validator=FileName(),
-        metadata=doc("relative to the EDL's folder, or absolute; forward slashes"),
-    )
-    frames: int = field(validator=FRAMES, metadata=doc("pictures in the file"))
-    fingerprint: str = field(default="", metadata=doc("content key: changes when the file does"))
-
-
-@frozen
-class Clock:
-    """A camera's own time is ``(t - offset_s) * (1 + drift_ppm * 1e-6)`` at programme time t seconds."""
-
-    offset_s: float = field(
-        default=0.0, validator=SECONDS, metadata=doc("programme time in seconds at which the camera's time is 0")
-    )
-    drift_ppm: float = field(
-        default=0.0,
-        validator=Bounds(-100_000, 100_000),
-        metadata=doc("how much faster the camera's clock runs, parts per million"),
-    )
-    method: str = field(default="none", metadata=doc("which sync found it: timecode, audio, motion, none, hand"))
-    confidence: float = field(default=0.0, validator=UNIT, metadata=doc("0 (a guess) to 1 (certain)"))
-
-    def camera_time(self, programme_s: float | Fraction) -> float:
-        """The camera's own time in seconds at programme time ``programme_s``."""
-        return (float(programme_s) - self.offset_s) * (1 + self.drift_ppm * 1e-6)
-
-    def programme_time(self, camera_s: float | Fraction) -> float:
-        """The programme time in seconds at the camera's own time ``camera_s``; the inverse of `camera_time`."""
-        return float(camera_s) / (1 + self.drift_ppm * 1e-6) + self.offset_s
-
-
-@frozen
-class Camera:
-    """One camera: its files, their size and rate, and its clock against the programme's."""
-
-    name: str = field(validator=NotEmpty(), metadata=doc("unique; used everywhere else in this document"))
-    media: tuple[Media, ...] = field(validator=NotEmpty(MOST_FILES), metadata=doc("played one after another"))
-    size: tuple[int, int] = field(validator=SIDES, metadata=doc("displayed width and height in pixels"))
-    rate: Fraction = field(validator=_positive_rate, metadata=doc("nominal frames per second"))
-    clock: Clock = field(factory=Clock, metadata=doc("relation to the programme clock"))
-    gaps: tuple[FrameRange, ...] = field(default=(), metadata=doc("programme ranges with no picture, in order"))
 
 
 @frozen
@@ -230,7 +174,7 @@ class Edl:
     """The whole document."""
 
     rate: Fraction = field(
-        validator=_positive_rate, metadata=doc("programme frames per second; frame n stands at n / rate seconds")
+        validator=check_rate_field, metadata=doc("programme frames per second; frame n stands at n / rate seconds")
     )
     size: tuple[int, int] = field(validator=SIDES, metadata=doc("programme width and height in pixels"))
     frames: int = field(validator=FRAMES, metadata=doc("length of the programme"))
@@ -267,6 +211,22 @@ class Edl:
         validator=AtMost(MOST_DRAWN),
         metadata=doc(
             "the field drawn by hand; analysis keeps and uses it; of two, the later in the list", optional=True
+        ),
+    )
+    removed: tuple[FrameRange, ...] = field(
+        default=(),
+        validator=AtMost(MOST_DECISIONS),
+        metadata=doc(
+            "programme frames left out of what is delivered, picture and sound, in order; analysis keeps them; "
+            "all frame numbers in this document count the whole programme",
+            optional=True,
+        ),
+    )
+    audio_from: str | None = field(
+        default=None,
+        metadata=doc(
+            'the camera whose sound the programme has, or "none"; the reference\'s without; analysis keeps it',
+            optional=True,
         ),
     )
     look: Look = field(factory=Look, metadata=doc("visual aids for the whole programme"))
@@ -343,6 +303,11 @@ class Edl:
         self._check_ordered([f.range for f in self.fields], lambda i: f".fields[{i}].range")
         for index, drawn in enumerate(self.drawn_fields):
             self._check_inside(drawn.range, f".drawn_fields[{index}].range")
+        self._check_ordered(self.removed, lambda i: f".removed[{i}]")
+        everything = sum(map(len, self.removed)) == self.frames
+        require(not everything, "everything is removed, nothing would be delivered", ".removed")
+        if self.audio_from not in (None, NO_SOUND):
+            self._check_names([(".audio_from", self.audio_from)])
         for index, correction in enumerate(self.corrections):
             at = f".corrections[{index}]"
             self._check_names([(f"{at}.camera", correction.camera)])

@@ -31,6 +31,7 @@ def nameless(edl: Edl, measured: Measurements | None) -> tuple[Edl, Measurements
         overrides=tuple(attrs.evolve(o, camera=o.camera and names[o.camera], note="") for o in edl.overrides),
         corrections=tuple(attrs.evolve(c, camera=names[c.camera], note="") for c in edl.corrections),
         drawn_fields=tuple(attrs.evolve(drawn, note="") for drawn in edl.drawn_fields),
+        audio_from=names.get(edl.audio_from or "", edl.audio_from),
     )
     if measured is None:
         return made, None

@@ -14,7 +14,8 @@ import mcsl_core as mcsl
 from mcsl_core import edl as document
 from mcsl_core.delivery.conform import conform
 from mcsl_core.delivery.direct import write_direct
-from mcsl_core.delivery.source import NO_SOUND, ProgrammeSource
+from mcsl_core.delivery.source import ProgrammeSource
+from mcsl_core.edl import NO_SOUND
 from mcsl_core.errors import UsageError
 
 

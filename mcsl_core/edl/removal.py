@@ -1,0 +1,59 @@
+"""What is removed from a programme, and what is then delivered of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import accumulate
+
+import attrs
+
+from mcsl_core.timing import FrameRange, joined
+
+from .schema import Edl
+
+
+def remove(edl: Edl, piece: FrameRange) -> Edl:
+    """``edl`` with the frames of ``piece`` left out of what is delivered.
+
+    Raises
+    ------
+    Fault
+        Where nothing would be left, or the piece ends after the programme.
+    """
+    return attrs.evolve(edl, removed=tuple(joined((*edl.removed, piece))))
+
+
+def bring_back(edl: Edl, piece: FrameRange | None = None) -> Edl:
+    """``edl`` with what was removed of ``piece`` (of everything, without) delivered again."""
+    piece = piece or FrameRange(0, edl.frames)
+    return attrs.evolve(edl, removed=tuple(left for one in edl.removed for left in _outside(one, [piece])))
+
+
+def delivered(edl: Edl, piece: FrameRange | None = None) -> tuple[FrameRange, ...]:
+    """The programme's frames (those of ``piece``) that are not removed: as few ranges as can be, in order."""
+    return tuple(_outside(piece or FrameRange(0, edl.frames), edl.removed))
+
+
+def delivered_frames(edl: Edl) -> int:
+    """How many frames the delivered programme has."""
+    return sum(map(len, delivered(edl)))
+
+
+def delivered_at(edl: Edl) -> tuple[tuple[int, FrameRange], ...]:
+    """Each of `delivered`, with the frame of the delivered programme that it begins at."""
+    kept = delivered(edl)
+    return tuple(zip(accumulate(map(len, kept), initial=0), kept, strict=False))
+
+
+def _outside(piece: FrameRange, removed: Iterable[FrameRange]) -> list[FrameRange]:
+    """What of ``piece`` lies in none of ``removed``."""
+    left, at = [], piece.start
+    for one in joined(removed):
+        if one.start >= piece.stop:
+            break
+        if at < one.start:
+            left.append(FrameRange(at, one.start))
+        at = max(at, one.stop)
+    if at < piece.stop:
+        left.append(FrameRange(at, piece.stop))
+    return left
