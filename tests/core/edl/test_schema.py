@@ -330,8 +330,8 @@ def test_several_faults_are_counted_and_the_first_is_shown():
         from_json(value, where="a.json")
     assert str(refused.value) == (
         "a.json at $.more: unknown key, expected one of rate, size, frames, reference, cameras, movements, poses, "
-        "shots, overrides, corrections, fields, drawn_fields, removed, audio_from, look, centering, scores, made_by (and 2 more faults). "
-        "Correct the value; docs/ describes the EDL (edl.md)"
+        "shots, overrides, corrections, fields, drawn_fields, removed, audio_from, look, centering, scores, "
+        "made_by (and 2 more faults). Correct the value; docs/ describes the EDL (edl.md)"
     )
 
 
