@@ -3,35 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mcsl_core.edl import Edl
 from mcsl_core.edl.edits import clear_field, draw_field
 from mcsl_core.edl.field import Polygon, field_at
 from mcsl_core.errors import Fault, UsageError
 from mcsl_core.imaging.masks import polygon_mask
 from mcsl_core.timing import FrameRange
 
-from .views import Views
-
-
-class _Document(Protocol):
-    """What of a `Programme` is needed here."""
-
-    edl: Edl
-
-    @property
-    def _views(self) -> Views: ...
+from .views import Document
 
 
 class Fields:
     """What a `Programme` says and decides about the surgical field."""
 
     def set_field(
-        self: _Document,
+        self: Document,
         polygons: ArrayLike | Iterable[ArrayLike],
         frames: FrameRange | tuple[int, int] | None = None,
         note: str = "",
@@ -69,11 +58,11 @@ class Fields:
             remedy = "Give corners as [[x, y], [x, y], [x, y]], or a list of such"
             raise UsageError(f"this is no field: {error}"[:300], where=self._views.where, remedy=remedy) from None
 
-    def clear_field(self: _Document, frames: FrameRange | tuple[int, int] | None = None) -> None:
+    def clear_field(self: Document, frames: FrameRange | tuple[int, int] | None = None) -> None:
         """Takes away what is drawn over a range, or everywhere: the next `analyse` finds the field itself again."""
         self.edl = clear_field(self.edl, None if frames is None else self._views.piece_of(frames))
 
-    def field_mask(self: _Document, frame: int) -> NDArray[np.bool_] | None:
+    def field_mask(self: Document, frame: int) -> NDArray[np.bool_] | None:
         """Where the surgical field lies at a frame: (height, width) bool in programme pixels before centering.
 
         Drawn by hand, else as the analysis took it; None where the EDL does not tell. ``edl.fields`` says where nothing

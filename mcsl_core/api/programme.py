@@ -35,11 +35,12 @@ from mcsl_core.report.page import write_report
 from mcsl_core.timing import FrameRange, format_time
 
 from .fields import Fields
+from .removal import Removal
 from .saving import write_edl
 from .views import Aids, Views, moved
 
 
-class Programme(Fields):
+class Programme(Fields, Removal):
     """A programme: its EDL, the folder that lies in, its footage and its scores.
 
     Pictures are (H, W, 3) uint8 arrays, RGB; frames count from 0 at the programme's rate; points are (x, y) with pixel
@@ -298,7 +299,7 @@ class Programme(Fields):
         jobs, prune : int, optional, and bool
             Chunks made at the same time, one a core without; whether those that the EDL does not need are deleted.
         audio : str, optional
-            The camera whose sound is taken, or "none"; the reference's without.
+            The camera whose sound is taken, or "none"; as the EDL has it without.
         part : Part, optional
             Which of the chunks are made; all without.
 

@@ -9,7 +9,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Iterator
 from functools import cached_property
 from operator import index
-from typing import TypedDict
+from typing import Protocol, TypedDict
 
 import cv2
 import numpy as np
@@ -146,3 +146,12 @@ def moved(way: Callable[[Array], Array], points: ArrayLike) -> NDArray[np.float6
 
 def _rgb(planes: Planes) -> U8:
     return np.asarray(cv2.cvtColor(planes_to_bgr(planes), cv2.COLOR_BGR2RGB), np.uint8)
+
+
+class Document(Protocol):
+    """What of a `Programme` is needed in its parts."""
+
+    edl: Edl
+
+    @property
+    def _views(self) -> Views: ...

@@ -69,7 +69,7 @@ def film_of(work: Work, out: Path) -> Film | None:
     preset = preset_of(name)
     if preset.blender.audio_codec not in _MIXED:
         raise UsageError(f"the sound of the preset {name} cannot be mixed by itself", remedy="Take h264 or prores")
-    audio = options.get("audio") or edl.reference
+    audio = options.get("audio") or edl.audio_from or edl.reference
     edited = (folder / "edit.blend").is_file()
     quality = options.get("quality", "standard")
     return Film(work.operation.key, edl.frames, work.job.parts, quality, audio, name, preset, work.job.video, edited)

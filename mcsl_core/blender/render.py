@@ -66,7 +66,7 @@ class RenderSettings:
     show_origin : bool
         A review copy with each camera's pixels in a tint of their own; ``direct`` alone does that.
     audio : str or None
-        The camera whose sound the video has, or "none"; without, the timeline's own, of an EDL the reference's.
+        The camera whose sound the video has, or "none"; without, the timeline's own, of an EDL its own.
     force : bool
         Replace a file that mcsl did not write, or that was changed since; what the programme is made from never.
 

@@ -42,7 +42,9 @@ allow_outside = click.option(
 )
 
 audio_option = click.option(
-    "--audio", metavar="CAMERA", help="Whose sound is taken; none: no sound at all (default: the reference camera's)."
+    "--audio",
+    metavar="CAMERA",
+    help="Whose sound is taken; none: no sound (default: as the EDL says).",
 )
 
 

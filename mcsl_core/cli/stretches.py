@@ -58,3 +58,12 @@ def seconds_of(text: str) -> Fraction:
         return parse_time(text)
     except ValueError as error:
         raise UsageError(str(error), remedy="Write 1:02:03.5, 2:30 or seconds") from None
+
+
+def piece_of(edl: Edl, frames: str | None, start: str | None, stop: str | None) -> FrameRange | None:
+    """What --range, or --from and --to, name; None where nothing is. UsageError where both are given, or wrong."""
+    if frames is None:
+        return stretch(edl, start, stop)
+    if start is not None or stop is not None:
+        raise UsageError("--range is given in frames, --from and --to in times", remedy="Give one or the other")
+    return frames_of(edl, frames)

@@ -9,11 +9,13 @@ import hashlib
 import json
 import os
 import struct
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mcsl_core.code_keys import SOUND
 from mcsl_core.edl import Edl
@@ -21,8 +23,10 @@ from mcsl_core.errors import writing
 from mcsl_core.progress import Progress
 from mcsl_core.recording.footage import Footage
 from mcsl_core.temporary import open_private, temporary_beside
+from mcsl_core.timing import FrameRange
 
 AUDIO_RATE = 48000
+FADE_FRAMES = 2  # on each side of where frames are removed: a cut in the middle of a tone clicks
 
 
 def sound_key(edl: Edl, camera: str, content: list[str]) -> str:
@@ -30,6 +34,51 @@ def sound_key(edl: Edl, camera: str, content: list[str]) -> str:
     clock = edl.camera(camera).clock
     facts = [SOUND, AUDIO_RATE, content, clock.offset_s, clock.drift_ppm, edl.frames, str(edl.rate)]
     return hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:20]
+
+
+def delivered_sound(
+    footage: Footage, camera: str, edl: Edl, pieces: Sequence[FrameRange], *, block_s: float = 1.0
+) -> Iterator[NDArray[np.float32]]:
+    """The sound of these programme frames one after another; where one piece ends, or begins after another, it fades.
+
+    Parameters
+    ----------
+    footage, camera
+        Whose sound.
+    edl
+        The programme.
+    pieces
+        Programme frames, in order.
+    block_s
+        Length of a block at most.
+
+    Yields
+    ------
+    NDArray
+        (n,) float32 in -1..1, at `AUDIO_RATE`. A piece's first sample is that of its first frame, to half a sample.
+    """
+    frames, given, last = 0, 0, len(pieces) - 1
+    for number, piece in enumerate(pieces):
+        frames += len(piece)
+        count = round(Fraction(frames) / edl.rate * AUDIO_RATE) - given
+        given += count
+        first = round(Fraction(piece.start) / edl.rate * AUDIO_RATE)
+        fade = min(round(FADE_FRAMES / edl.rate * AUDIO_RATE), count // 2)
+        at, start_s, stop_s = 0, Fraction(first, AUDIO_RATE), Fraction(first + count, AUDIO_RATE)
+        for block in footage.audio_blocks(camera, start_s, stop_s, AUDIO_RATE, block_s=block_s):
+            if number > 0:
+                block = _faded(block, at, fade)
+            if number < last:
+                block = _faded(block[::-1], count - at - len(block), fade)[::-1]
+            at += len(block)
+            yield block
+
+
+def _faded(block: NDArray[np.float32], at: int, fade: int) -> NDArray[np.float32]:
+    """A block that lies ``at`` samples after the beginning of a fade from silence that lasts ``fade`` samples."""
+    if at >= fade:
+        return block
+    return block * np.clip((np.arange(at, at + len(block)) + 0.5) / fade, 0, 1).astype(np.float32)
 
 
 def is_audible(footage: Footage, camera: str | None, progress: Progress) -> bool:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
+from itertools import chain
 from pathlib import Path
 
 from attrs import frozen
 
 from mcsl_core.compositing.compositor import Compositor
+from mcsl_core.edl import Edl
+from mcsl_core.edl.removal import delivered
+from mcsl_core.errors import InputError
 from mcsl_core.imaging.planes import resize_planes
 from mcsl_core.imaging.warp import Resampling
 from mcsl_core.media.writing import Encoding, VideoWriter
@@ -18,7 +21,7 @@ from mcsl_core.recording.damage import tell_of_damage
 from mcsl_core.recording.footage import footage_of
 from mcsl_core.timing import FrameRange
 
-from .audio import AUDIO_RATE, is_audible
+from .audio import AUDIO_RATE, delivered_sound, is_audible
 from .quality import STANDARD, Quality
 from .reuse import chunks_there, pictures
 from .source import ProgrammeSource
@@ -61,24 +64,26 @@ def write_direct(
 ) -> None:
     """Writes the programme (or ``piece`` of it) with sound to ``path`` without Blender, in flat memory.
 
+    What is removed is left out; InputError where that is all of ``piece``.
+
     Pictures that lie conformed in the folder ``conformed``, in this ``quality``, are taken from there.
     """
     progress = progress or Silent()
     edl = source.edl
-    piece = piece or FrameRange(0, edl.frames)
+    pieces = _delivered(edl, piece)
+    frames = sum(map(len, pieces))
     size, camera = video.size or edl.size, source.sound_camera
     read_contents(media_files(edl, source.base), progress)
     tell_of_changed_media(edl, source.base, progress)
     chunks = () if conformed is None else chunks_there(source, conformed, quality)
-    taken = sum(len(both) for chunk in chunks if (both := chunk.range.intersection(piece)) is not None)
+    taken = sum(len(both) for chunk in chunks for one in pieces if (both := chunk.range.intersection(one)) is not None)
     if taken:
-        progress.note(f"{taken} of {len(piece)} frames are taken from {conformed}, where they are conformed")
+        progress.note(f"{taken} of {frames} frames are taken from {conformed}, where they are conformed")
     footage = footage_of(edl, source.base, threads=0)
-    start_s, stop_s = (Fraction(frame) / edl.rate for frame in (piece.start, piece.stop))
     sound = None
     if camera is not None and is_audible(footage, camera, progress):
-        sound = footage.audio_blocks(camera, start_s, stop_s, AUDIO_RATE, block_s=1.0)
-    progress.stage("Writing the programme", len(piece), "frames")
+        sound = delivered_sound(footage, camera, edl, pieces)
+    progress.stage("Writing the programme", frames, "frames")
     with (
         Compositor(edl, footage, filler=source.filler, resampling=video.resampling) as compositor,
         VideoWriter(
@@ -91,7 +96,7 @@ def write_direct(
             audio_channels=video.audio_channels,
         ) as writer,
     ):
-        made = pictures(compositor, piece, chunks, conformed or source.base)
+        made = chain.from_iterable(pictures(compositor, one, chunks, conformed or source.base) for one in pieces)
         for done, planes in enumerate(made, start=1):
             writer.write(resize_planes(planes, size))
             while (
@@ -104,3 +109,10 @@ def write_direct(
             progress.advance(done)
     compositor.stand_ins.tell(edl.rate, progress)
     tell_of_damage(footage, progress)
+
+
+def _delivered(edl: Edl, piece: FrameRange | None) -> tuple[FrameRange, ...]:
+    pieces = delivered(edl, piece)
+    if not pieces:
+        raise InputError(f"all of {piece} is removed", remedy="Choose other frames, or bring them back: mcsl remove")
+    return pieces

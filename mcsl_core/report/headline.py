@@ -7,6 +7,7 @@ from attrs import frozen
 
 from mcsl_core.edl import Edl
 from mcsl_core.edl.field import MIDDLE
+from mcsl_core.edl.removal import delivered_frames
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.selection.selectors import mean_known, sample_borders
@@ -69,6 +70,11 @@ def headline(edl: Edl, scores: ScoreTable | None) -> Headline:
     ]
     if edl.overrides:
         tiles.append(_overrides(edl))
+    if edl.removed:
+        left = short_time(float(delivered_frames(edl) / edl.rate))
+        tiles.append(
+            Tile(left, "delivered", f"{len(edl.removed)} {_plural(len(edl.removed), 'stretch', 'stretches')} removed")
+        )
     return Headline(tuple(tiles), _verdict(edl, shown, best, (seen, weak)))
 
 
@@ -131,6 +137,11 @@ def _overrides(edl: Edl) -> Tile:
     frames = sum(len(piece) for piece, decision in resolve(edl) if decision.overridden)
     count = len(edl.overrides)
     return Tile(str(count), _plural(count, "override"), f"{short_time(float(frames / edl.rate))} by the editor")
+
+
+def _delivered(edl: Edl) -> Tile:
+    count, left_s = len(edl.removed), float(delivered_frames(edl) / edl.rate)
+    return Tile(short_time(left_s), "delivered", f"{count} {_plural(count, 'stretch', 'stretches')} removed")
 
 
 def _verdict(edl: Edl, shown: float | None, best: float | None, told: tuple[str, list[str]]) -> str:

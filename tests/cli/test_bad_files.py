@@ -59,7 +59,7 @@ def is_path(param: click.Parameter) -> bool:
 
 
 OUTPUTS = ("out", "csv_file", "json_file")
-DONE = {(name, "edl", "media gone") for name in ("field", "look", "report")}  # they need no media
+DONE = {(name, "edl", "media gone") for name in ("field", "look", "remove", "report")}  # they need no media
 CASES = [
     (name, param.name)
     for name, command in walked(cli)

@@ -42,6 +42,7 @@ def foreign(place, tmp_path):
 def commands(edl: Path, out: Path):
     yield "look", edl
     yield "look", edl, "--no-fill"
+    yield "remove", edl, "--range", "0:3"
     yield "conform", edl, "-o", out / "conformed"
     yield "export", edl, "-o", out / "cut.otio"
     yield "pull", out / "cut.otio", "--edl", edl

@@ -14,6 +14,7 @@ from .join import join
 from .look import look
 from .plugin import plugin_group
 from .plugins import list_plugins
+from .remove import remove
 from .render import render
 from .report import report
 from .simulate import simulate
@@ -26,6 +27,7 @@ COMMANDS: tuple[click.Command, ...] = (
     timeline,
     field,
     look,
+    remove,
     pull,
     conform,
     export,

@@ -11,7 +11,7 @@ import click
 from mcsl_core import edl as edls
 from mcsl_core.cli.options import FORCE, PATH, allow_outside
 from mcsl_core.cli.output import Session
-from mcsl_core.cli.stretches import frames_of, stretch
+from mcsl_core.cli.stretches import piece_of
 from mcsl_core.edl import Edl
 from mcsl_core.edl.edits import clear_field, draw_field
 from mcsl_core.edl.field import HAND, MIDDLE, PICTURES, Polygon, awaits_analysis, fields_now
@@ -121,7 +121,7 @@ def field(
     if polygons and clear:
         raise UsageError("--polygon and --clear are two wishes", remedy="Draw anew without --clear: it replaces")
     now = edls.load(edl)
-    piece = _piece(now, how["frames"], how["start"], how["stop"])
+    piece = piece_of(now, how["frames"], how["start"], how["stop"])
     if piece is not None and not polygons and not clear and show is None:
         raise UsageError("a stretch is named, but nothing to do there", remedy="See: mcsl field --help")
     if show is not None:  # refused before anything is changed
@@ -135,11 +135,3 @@ def field(
         result |= {"show": str(show), "frame": frame}
         text += f"\n{show}: frame {frame}"
     session.result(result, text)
-
-
-def _piece(edl: Edl, frames: str | None, start: str | None, stop: str | None) -> FrameRange | None:
-    if frames is None:
-        return stretch(edl, start, stop)
-    if start is not None or stop is not None:
-        raise UsageError("--range is given in frames, --from and --to in times", remedy="Give one or the other")
-    return frames_of(edl, frames)

@@ -164,6 +164,24 @@ def test_an_override_changes_the_programme_at_once_and_the_file_when_saved(progr
     assert mcsl.open(programme.path).edl == programme.edl
 
 
+def test_what_is_removed_is_left_out_once_saved_and_can_be_brought_back(programme) -> None:
+    programme.remove((4, 8))
+    programme.remove((15, FRAMES))
+    assert programme.delivered == (FrameRange(0, 4), FrameRange(8, 15))
+    assert programme.edl.frames == FRAMES
+    programme.save()
+    assert json.loads(programme.path.read_text("utf-8"))["removed"] == [[4, 8], [15, FRAMES]]
+    programme.bring_back((6, 20))
+    assert programme.delivered == (FrameRange(0, 4), FrameRange(6, FRAMES))
+    with pytest.raises(UsageError, match="nothing would be delivered"):
+        programme.remove((0, FRAMES))
+    with pytest.raises(UsageError):
+        programme.remove((3, FRAMES + 1))
+    assert programme.delivered == (FrameRange(0, 4), FrameRange(6, FRAMES))
+    programme.bring_back()
+    assert programme.delivered == (FrameRange(0, FRAMES),)
+
+
 def test_saved_elsewhere_it_still_finds_its_media_and_scores(programme, tmp_path: Path) -> None:
     shown, before = programme.frame(12), programme.path.read_bytes()
     programme.override((0, 5), fill=False)
