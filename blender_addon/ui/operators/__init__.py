@@ -3,18 +3,20 @@
 
 import bpy  # pyright: ignore[reportMissingImports]
 
-from . import analysis, decisions, delivery, field, interchange, look, preview, proxies, recording, timeline
+from . import analysis, angles, decisions, delivery, field, interchange, look, preview, proxies, recording, timeline
 
-_PARTS = (recording, analysis, timeline, proxies, decisions, look, field, delivery, interchange)
+_PARTS = (recording, analysis, timeline, angles, proxies, decisions, look, field, delivery, interchange)
 CLASSES = tuple(kind for part in _PARTS for kind in part.CLASSES)
 
 
 def register() -> None:
     for kind in CLASSES:
         bpy.utils.register_class(kind)
+    angles.register()
 
 
 def unregister() -> None:
     preview.remove_lines()
+    angles.unregister()
     for kind in reversed(CLASSES):
         bpy.utils.unregister_class(kind)

@@ -61,6 +61,7 @@ class MCSL_PT_shots(TimelinePanel, bpy.types.Panel):
         for number, name in enumerate(_camera_names(scene), 1):
             button = flow.operator("mcsl.switch_camera", text=name, translate=False)
             button.number, button.camera = number, name
+        layout.operator("mcsl.angles", icon="VIEW_CAMERA")
         if count := state.short_shots:
             text = shown("{count} shots under {frames} frames")
             wrapped(layout, text.format(count=count, frames=shot_list.SHORT_FRAMES), "ERROR")

@@ -82,6 +82,11 @@ JAPANESE: dict[str, str] = {
     "There is no such cut": "該当するカットはありません",
     "{count} cuts taken away": "カットを {count} 個取り除きました",
     "{count} shots under {frames} frames": "{frames} フレーム未満のショットが {count} 個あります",
+    "Angles": "アングル",
+    "Show all cameras at once beside the programme, the chosen one framed; again: the programme alone": (
+        "すべてのカメラを本編の横に並べ、選ばれたカメラを枠で示します。もう一度押すと本編だけに戻ります"
+    ),
+    "Build a timeline first": "先にタイムラインを作ってください",
     "Pull Overrides into EDL": "手動変更を EDL に書き込む",
     "Switch Camera": "カメラを切り替え",
     "Go to Override": "手動変更へ移動",
