@@ -27,6 +27,7 @@ from .find_mcsl import child_environment
 
 GRACE_S = 15.0  # a chunk that is being encoded is dropped within a second; closing files on a slow disc takes longer
 STOPPED = "stopped"
+PACE_S = 2.0  # a pace is known after so long
 
 Outcome = Literal["running", "done", "stopped", "failed"]
 
@@ -39,6 +40,8 @@ class Status:
     ----------
     stage, done, total, unit
         Its current stage: so many units of ``total`` are done; None when that is not known.
+    number
+        Of the current stage, counted from 1 as they come: how many there will be nobody knows beforehand.
     notes
         What a person should know, in the order told.
     outcome
@@ -53,6 +56,7 @@ class Status:
     done: int = 0
     total: int | None = None
     unit: str = ""
+    number: int = 0
     notes: tuple[str, ...] = ()
     outcome: Outcome = "running"
     message: str = ""
@@ -89,6 +93,7 @@ class Job:
         self._messages = MessageFile(self._out)
         self._text = ""
         self._ending: Outcome | None = None  # known before the process is gone
+        self._began: tuple[float, int] | None = None  # when the stage was first heard of, and what was done by then
         self._asked: float | None = None  # when it was asked to stop
         group: dict[str, Any] = {"start_new_session": True}
         if os.name == "nt":
@@ -134,6 +139,15 @@ class Job:
             self.kill()
         return self.status
 
+    def left_s(self) -> float | None:
+        """How long the current stage still takes at its pace until now; None while that cannot be told."""
+        status = self.status
+        if self._began is None or not status.total or not self.running:
+            return None
+        began, done_then = self._began
+        took, made = time.monotonic() - began, status.done - done_then
+        return took / made * (status.total - status.done) if made > 0 and took >= PACE_S else None
+
     def output(self) -> str:
         """All that it wrote to standard output, once it has ended."""
         return self._text
@@ -159,9 +173,12 @@ class Job:
         status = self.status
         match message:
             case Stage(stage, total, unit):
-                self.status = attrs.evolve(status, stage=stage, total=total, unit=unit, done=0)
+                count = status.number + 1
+                self.status = attrs.evolve(status, stage=stage, total=total, unit=unit, done=0, number=count)
+                self._began = None
             case Done(done):
                 self.status = attrs.evolve(status, done=done)
+                self._began = self._began or (time.monotonic(), done)
             case Note(note):
                 self.status = attrs.evolve(status, notes=(*status.notes, note))
             case Result(result):

@@ -117,7 +117,7 @@ def _finish(run: Running, status: Status) -> None:
     elif not desk.message:
         done = told("{title}: done").format(title=run.title)
         note = status.notes[-1] if status.notes else ""
-        say(f"{done}. {note}" if note else done, "WARNING" if note else "INFO", run.title)
+        say(f"{done}. {note}" if note else done, "INFO", run.title)
 
 
 # ------------------------------------------------------------------------------------------------------- messages
@@ -147,15 +147,20 @@ def _status_bar(text: str | None) -> None:
 
 
 def describe(run: Running) -> str:
-    """The job in a line: its stage, how much is done."""
+    """The job in a line: the how-manieth stage it is in, how much of that is done, and how long the rest takes."""
     if run.rest is not None:
         return told("putting it into the timeline")
     status = run.job.status
     if run.job.stopping:
         return told("stopping")
-    if not status.total:
-        return status.stage or told("starting")
-    return f"{status.stage} {status.done}/{status.total} {status.unit}".rstrip()
+    if not status.stage:
+        return told("starting")
+    text = f"{status.number}. {status.stage}"
+    if status.total:
+        text = f"{text} {status.done}/{status.total} {status.unit}".rstrip()
+    if (left := run.job.left_s()) is None:
+        return text
+    return told("{stage}, {time} left").format(stage=text, time=f"{round(left) // 60}:{round(left) % 60:02}")
 
 
 def fraction(run: Running) -> float:
@@ -208,7 +213,7 @@ def _tick() -> float | None:
     asking = pump_plugins()
     if desk.running is not None:
         title, text = desk.running.title, describe(desk.running)
-        _status_bar(text if text.startswith(title) else f"{title}: {text}")
+        _status_bar(f"{title}: {text}")
     redraw()
     return TICK_S if more or asking else None
 

@@ -35,7 +35,7 @@ from ..sequencer.edit import label_strips
 from ..sequencer.notices import notices
 from ..sequencer.read import read_shot, read_timeline
 from ..sequencer.read_times import read_films
-from . import job_runner, render_guard
+from . import first_view, job_runner, render_guard
 from .translations.lookup import told
 
 QUIET_S = 0.4
@@ -311,6 +311,8 @@ def _loaded(*_: Any) -> None:
     state.shots.clear()
     state.notices = ""
     state.problem, state.outstanding_s, state.lost_s, state.overrides, state.short_shots = "", 0.0, 0.0, 0, 0
+    if timelines():
+        first_view.open_tab()
     for scene in timelines():
         show_recording(scene)
         problem = refresh_timeline(scene)

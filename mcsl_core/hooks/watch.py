@@ -32,4 +32,4 @@ class Watch:
             if total <= bound:
                 return
             self._bounds_s[who] = 2 * total
-        self._note(f"{who} has taken {total:.0f} s so far, for a recording of {self.lasts_s:.0f} s")
+        self._note(f"{who} has taken {total:.0f} s, for a recording of {self.lasts_s:.0f} s")

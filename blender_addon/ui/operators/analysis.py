@@ -62,7 +62,7 @@ class MCSL_OT_analyse(bpy.types.Operator):
                 if began is not None:
                     _keep_decisions(target, began)
                 for note in build_into(target, edl):
-                    job_runner.say(note, "WARNING", told("Analysis"))
+                    job_runner.say(note, "INFO", told("Analysis"))
 
             job_runner.start(told("Analysis"), command, follow, cwd=edl.parent)
         except (McslError, OSError) as error:

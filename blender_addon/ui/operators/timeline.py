@@ -25,7 +25,7 @@ from ...sequencer.edit import clear_strip_decisions
 from ...sequencer.proxies import attach_again
 from ...sequencer.read import read_drawing, read_timeline
 from ...sequencer.renew import rebuild_timeline
-from .. import refresh
+from .. import first_view, refresh
 from ..translations.lookup import told
 
 PATIENCE_S = 5.0  # the window stands still meanwhile
@@ -39,7 +39,8 @@ def build_into(scene, path: Path) -> list[str]:
     edl = edls.load(path)
     plan = make_plan(edl)
     use_sequencer_scene(scene)
-    if scene_properties.has_timeline(scene):
+    new = not scene_properties.has_timeline(scene)
+    if not new:
         trial = bpy.data.scenes.new("mcsl trial")
         try:
             build_timeline(trial, plan, path.parent)
@@ -61,6 +62,10 @@ def build_into(scene, path: Path) -> list[str]:
         bpy.ops.file.make_paths_relative()
     refresh.refresh_timeline(scene)
     _push_undo("mcsl: timeline")
+    if new:
+        first_view.show_timeline()
+    else:
+        first_view.open_tab()
     return notes
 
 
@@ -124,7 +129,7 @@ class MCSL_OT_build_timeline(bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         for note in notes:
-            self.report({"WARNING"}, note)
+            self.report({"INFO"}, note)
         edl = scene_properties.edl_of(scene)
         text = told("{shots} shots, {overrides} overrides")
         self.report({"INFO"}, text.format(shots=len(edl.shots), overrides=len(edl.overrides)))

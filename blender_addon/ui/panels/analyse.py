@@ -8,10 +8,12 @@ import bpy  # pyright: ignore[reportMissingImports]
 from mcsl_core.errors import McslError
 
 from ...core.camera_files import STAGES
+from ...sequencer.compat import sequencer_scene
+from ...sequencer.scene_properties import has_timeline
 from .. import job_runner, preferences
 from ..operators.recording import work_of
-from ..translations.lookup import told
-from .drawing import SidebarPanel, draw_job, draw_message
+from ..translations.lookup import shown, told
+from .drawing import SidebarPanel, draw_job, draw_message, wrapped
 
 
 class MCSL_PT_analyse(SidebarPanel, bpy.types.Panel):
@@ -26,6 +28,8 @@ class MCSL_PT_analyse(SidebarPanel, bpy.types.Panel):
             row.scale_y = 1.3
             row.operator("mcsl.analyse", icon="PLAY")
         draw_message(layout, told("Analysis"), "")
+        if not has_timeline(sequencer_scene(context)):
+            wrapped(layout, shown("Next: shots, look and render appear here after the analysis"), "INFO")
         try:
             preferences.mcsl()
         except McslError:

@@ -223,6 +223,10 @@ JAPANESE: dict[str, str] = {
     "The conformed programme, a clip a shot; else the cameras' own files, roughly aligned": (
         "コンフォーム済みの番組をショットごとのクリップにします。オフなら各カメラの元のファイルを大まかに位置合わせして使います"
     ),
+    "Next: shots, look and render appear here after the analysis": (
+        "次: 解析が終わると、ショット・ルック・レンダリングがここに現れます"
+    ),
+    "{stage}, {time} left": "{stage}、残り {time}",
     "starting": "開始しています",
     "stopping": "止めています",
     "putting it into the timeline": "タイムラインに置いています",

@@ -362,7 +362,7 @@ def test_one_that_takes_longer_than_the_recording_lasts_is_named(monkeypatch: py
     slow = offer("selector", does("select", gives([shot(0, 60)])), Watch(25.0, notes.append)).checked
     for _ in range(9):
         CALLS["selector", "select"](slow)
-    told = "selector mine (their-package 1.2) has taken {} s so far, for a recording of 25 s"
+    told = "selector mine (their-package 1.2) has taken {} s, for a recording of 25 s"
     assert notes == [told.format(30), told.format(70)]
 
 
