@@ -36,6 +36,7 @@ def lay_sound(scene: Any, plan: StripPlan, base: Path) -> list[str]:
             name="sound", filepath=str(path), channel=AUDIO_CHANNEL, frame_start=piece.start + 1
         )
         strip[MARK] = "sound"
+        strip.show_waveform = True
         note_placed(strip, piece.start, path.name)
         start, stop = ends(strip)
         if strip.sound.samplerate == 0 or stop <= 0 or start >= plan.frames:
@@ -60,9 +61,13 @@ def renew_sound(scene: Any, plan: StripPlan, base: Path) -> list[str]:
         return []
     laid = laid_before(scene)
     if _is_as_laid(scene, ours, laid, plan):
+        waveform = all(strip.show_waveform for strip in ours)
         for strip in ours:
             remove(scene, strip)
-        return lay_sound(scene, plan, base)
+        notes = lay_sound(scene, plan, base)
+        for strip in our_sound(scene, plan):
+            strip.show_waveform = waveform
+        return notes
     places = sound_places(plan)
     if not places:
         return []

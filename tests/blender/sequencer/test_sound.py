@@ -203,3 +203,17 @@ bpy.ops.sequencer.retiming_segment_speed_set(speed=50.0)
     level = delivered(built, blender, "", heard)
     assert quiet(level) == list(range(FRAMES))
     assert any("'sound' (frame 1) is retimed" in note for note in heard.notes)
+
+
+def test_a_new_timeline_is_scrubbed_by_ear_and_what_the_editor_switches_off_stays_off(built, blender):
+    waveforms = SOUND + "out = [scene.use_audio_scrub, [s.show_waveform for s in sound]]"
+    scrub, shown = in_blender(blender, built, waveforms, save=False)
+    assert scrub
+    assert shown
+    assert all(shown)
+    off = SOUND + "scene.use_audio_scrub = False\nfor s in sound: s.show_waveform = False\n"
+    delivered(built, blender, off)
+    scrub, shown = in_blender(blender, built, waveforms, save=False)
+    assert not scrub
+    assert shown
+    assert not any(shown)
