@@ -225,13 +225,17 @@ def note_home(scene: Any, path: Path, folder: Path | None) -> None:
 def note_saving(scene: Any, old: Path | None, new: Path) -> None:
     """The .blend is about to be saved in the folder ``new``, having lain in ``old``; None: it had no name yet.
 
-    The way to the EDL becomes one from its folder when it is first saved. Saved elsewhere later it is not followed
-    there: what lies beside it then is another project's, unless it is a copy of this one.
+    The way to the EDL becomes one from its folder when it is first saved. Saved elsewhere later it leads back to the
+    same EDL, unless one lies where it leads to from there: that is a copy's own, or another project's.
     """
     noted = scene.get(EDL_PATH)
-    if not isinstance(noted, str) or scene.get(HOME):
+    if not isinstance(noted, str):
         return
-    if old is None:
+    if scene.get(HOME):
+        moves = old is not None and old.resolve() != new.resolve()
+        if moves and not any(place.is_file() for place in identity.candidates(noted, new, home=scene[HOME])):
+            note_home(scene, edl_path(scene, old / "its.blend"), new)
+    elif old is None:
         note_home(scene, Path(noted), new)
     elif noted.startswith("//"):
         scene[HOME] = identity.home_of(old)

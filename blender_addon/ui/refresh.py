@@ -23,7 +23,7 @@ from mcsl_core.edl.resolve import Decisions, DecisionsByPose, resolve, resolve_b
 from mcsl_core.errors import McslError
 from mcsl_core.timing import FrameRange
 
-from ..core import multicam, shot_list
+from ..core import identity, multicam, shot_list
 from ..core.moving import followed_ranges
 from ..core.read_overrides import FoundStrip, SequencerState, read_edl
 from ..core.strip_plan import camera_tracks, centred, key_numbers, offset_keys
@@ -42,6 +42,7 @@ QUIET_S = 0.4
 
 _busy = False  # what we change ourselves is no news
 _last: dict[str, _Refreshed] = {}  # scene -> what was found when it was last refreshed
+_before_saving: dict[str, dict[str, Any]] = {}  # scene -> its way to the EDL, where saving elsewhere changes it
 _listed: tuple[Fraction, tuple[shot_list.ShotRow, ...]] = Fraction(0), ()  # as the panel's list of shots was filled
 
 
@@ -301,7 +302,38 @@ def _saving(target: Any = "", *_: Any) -> None:
         refresh_timeline(scene)
         if new:
             old = Path(bpy.data.filepath).parent if bpy.data.filepath else None
-            scene_properties.note_saving(scene, old, Path(new).parent)
+            _note_saving(scene, old, Path(new).parent)
+
+
+def _note_saving(scene: Any, old: Path | None, new: Path) -> None:
+    """The way to the EDL goes along with the file; so does the panel's, which is the same unless another was named."""
+    noted = {name: scene.get(name) for name in (scene_properties.EDL_PATH, scene_properties.HOME)}
+    try:
+        scene_properties.note_saving(scene, old, new)
+    except McslError:
+        return  # it is not found where it is now either
+    _follow_panel(scene, noted[scene_properties.EDL_PATH])
+    if old is not None and scene.get(scene_properties.EDL_PATH) != noted[scene_properties.EDL_PATH]:
+        _before_saving[scene.name] = noted
+
+
+def _follow_panel(scene: Any, was: Any) -> None:
+    if scene.mcsl_work.edl == was:
+        scene.mcsl_work.edl = scene[scene_properties.EDL_PATH]
+
+
+@bpy.app.handlers.persistent
+def _saved(*_: Any) -> None:
+    """Where a copy was saved, or nothing could be, the open file stays where it is: so does its way to the EDL."""
+    folder = Path(bpy.data.filepath).parent
+    for name, noted in _before_saving.items():
+        scene = bpy.data.scenes.get(name)
+        if scene is not None and scene.get(scene_properties.HOME) != identity.home_of(folder):
+            was = scene.get(scene_properties.EDL_PATH)
+            for key, value in noted.items():
+                scene[key] = value
+            _follow_panel(scene, was)
+    _before_saving.clear()
 
 
 @bpy.app.handlers.persistent
@@ -330,6 +362,8 @@ HANDLERS = {
     "undo_post": _changed,
     "redo_post": _changed,
     "save_pre": _saving,
+    "save_post": _saved,
+    "save_post_fail": _saved,
     "load_post": _loaded,
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from pathlib import Path
 
 import attrs
 import pytest
@@ -104,7 +105,8 @@ def test_it_lies_where_it_was_and_the_edl_is_of_another_recording(decided, blend
 
 
 def test_with_the_extension_the_way_is_noted_at_the_first_save_alone(project, blender, tmp_path):
-    """Built before the file has a name; saved; saved as another in its folder; saved as another elsewhere."""
+    """Built before the file has a name; saved; saved as another in its folder; saved as another elsewhere: it finds
+    the same EDL from there."""
     empty = project / "empty.blend"
     build_timeline(project / "edl.json", empty, blender=blender)
     away = tmp_path / "away"
@@ -130,8 +132,31 @@ def test_with_the_extension_the_way_is_noted_at_the_first_save_alone(project, bl
     """
     found = in_blender(blender, empty, code, save=False)
     assert found[0] == str(project / "edl.json")
-    assert found[1:4] == ["//edl.json"] * 3
-    assert "not there" in found[4]
+    assert found[1:3] == ["//edl.json"] * 2
+    assert found[3].startswith("//../")
+    assert (away / found[3].removeprefix("//")).resolve() == (project / "edl.json").resolve()
+    assert "FINISHED" in found[4]
+    decided = edls.load(project / "edl.json").overrides
+    assert decided != an_edl().overrides
+    assert pull_overrides(away / "third.blend", blender=blender).overrides == decided  # opened anew, elsewhere
     assert pull_overrides(project / "second.blend", blender=blender).overrides == an_edl().overrides
-    with pytest.raises(InputError, match="not there"):
-        pull_overrides(away / "third.blend", blender=blender)
+
+
+def test_a_copy_saved_elsewhere_leaves_the_open_file_as_it_was(built, blender, tmp_path):
+    away = tmp_path / "away" / "deeper"
+    away.mkdir(parents=True)
+    code = f"""
+        {SWITCH_ON.replace(chr(10), chr(10) + "    ")}
+        bpy.ops.wm.save_as_mainfile(filepath={str(away / "copy.blend")!r}, copy=True)
+        out = [scene["mcsl_edl"], str(bpy.ops.mcsl.pull_overrides())]
+        bpy.ops.wm.open_mainfile(filepath={str(away / "copy.blend")!r})
+        scene = next(s for s in bpy.data.scenes if s.get("mcsl_edl"))
+        films = [s.filepath for s in scene.sequence_editor.strips if s.type == "MOVIE"]
+        out += [bpy.path.abspath(scene["mcsl_edl"]), [bpy.path.abspath(film) for film in films]]
+    """
+    here, done, there, films = in_blender(blender, built, code, save=False)
+    assert here == "//edl.json"
+    assert "FINISHED" in done
+    assert Path(there).resolve() == (built.parent / "edl.json").resolve()
+    assert films
+    assert all(Path(film).is_file() for film in films)
