@@ -20,6 +20,7 @@ from ...sequencer.edit import apply_switch
 from ...sequencer.read import read_about
 from ...sequencer.transforms import can_be_reset, reset_transform
 from .. import refresh
+from ..translations.lookup import told
 
 KEYS = ("ONE", "TWO", "THREE", "FOUR", "FIVE", "SIX", "SEVEN", "EIGHT", "NINE")
 
@@ -62,11 +63,12 @@ class MCSL_OT_switch_camera(bpy.types.Operator):
             self.report({"WARNING"}, str(error))
             return {"CANCELLED"}
         if change is None:
-            self.report({"INFO"}, f"{camera} is shown already")
+            self.report({"INFO"}, told("{camera} is shown already").format(camera=camera))
             return {"CANCELLED"}
         was = next(strip for strip in about.strips if strip.name == change.name)
         refresh.refresh_shot(scene, was, apply_switch(scene, change))
-        self.report({"INFO"}, f"{camera} from frame {scene.frame_current}" if change.split is not None else camera)
+        text = told("{camera} from frame {frame}") if change.split is not None else "{camera}"
+        self.report({"INFO"}, text.format(camera=camera, frame=scene.frame_current))
         return {"FINISHED"}
 
 
@@ -86,7 +88,7 @@ class MCSL_OT_reset_alignment(bpy.types.Operator):
         chosen = [s for s in _selected(sequencer_scene(context)) if can_be_reset(s)]
         for strip in chosen:
             reset_transform(strip)
-        self.report({"INFO"}, f"{len(chosen)} strip{'s' * (len(chosen) != 1)} set back")
+        self.report({"INFO"}, told("Strips set back: {count}").format(count=len(chosen)))
         return {"FINISHED"}
 
 
@@ -97,7 +99,10 @@ def _selected(scene):
 def _nth_camera(scene, number: int) -> str:
     names = scene_properties.camera_names(scene)
     if not 1 <= number <= len(names):
-        raise InputError(f"there is no camera {number}", remedy=f"There are {len(names)}: {', '.join(names)}")
+        raise InputError(
+            told("there is no camera {number}").format(number=number),
+            remedy=told("There are {count}: {names}").format(count=len(names), names=", ".join(names)),
+        )
     return names[number - 1]
 
 

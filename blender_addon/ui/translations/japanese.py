@@ -227,6 +227,11 @@ JAPANESE: dict[str, str] = {
         "次: 解析が終わると、ショット・ルック・レンダリングがここに現れます"
     ),
     "{stage}, {time} left": "{stage}、残り {time}",
+    "{camera} is shown already": "すでに {camera} を表示しています",
+    "{camera} from frame {frame}": "フレーム {frame} から {camera}",
+    "Strips set back: {count}": "元に戻したストリップ: {count}",
+    "there is no camera {number}": "カメラ {number} はありません",
+    "There are {count}: {names}": "あるのは {count} 台です: {names}",
     "starting": "開始しています",
     "stopping": "止めています",
     "putting it into the timeline": "タイムラインに置いています",
