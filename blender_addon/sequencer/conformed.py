@@ -62,6 +62,12 @@ def any_there(scene: Any) -> bool:
     return any(role_of(strip) == "conformed" for strip in strips_of(scene, "MOVIE"))
 
 
+def all_hold(scene: Any, edl: Edl) -> bool:
+    """Whether the conformed pictures in place are, all over the programme, what ``edl`` decides."""
+    then = stale.from_text(scene.get(CONFORMED_BASIS, ""))
+    return any_there(scene) and not stale.changed(stale.basis_of(edl), then)
+
+
 def keep_true(scene: Any, now: Edl, by_pose: DecisionsByPose | None = None) -> Held:
     """Mutes what no longer shows what ``now`` decides, unmutes what does again.
 

@@ -35,12 +35,12 @@ from .sound import renew_sound
 from .touched import Work
 
 
-def rebuild_timeline(scene: Any, plan: StripPlan, base: Path) -> list[str]:
+def rebuild_timeline(scene: Any, plan: StripPlan, base: Path, *, exact: bool = False) -> list[str]:
     """Programme, Centering, Conformed and sound from ``plan``; what the editor made of them, and his own strips, stay.
 
     The camera strips stay as well, unless the EDL's cameras, files or poses are others than when they were made. Where
     one of the editor's strips lies on our channels, all of them move up together, keeping their order. Returns what
-    there is to say.
+    there is to say. exact: the conformed pictures in place still hold and stay, whatever the plan has.
     """
     editor = scene.sequence_editor
     others = scene.get(TRACKS_HASH) not in (None, tracks_key(plan.cameras))
@@ -66,8 +66,9 @@ def rebuild_timeline(scene: Any, plan: StripPlan, base: Path) -> list[str]:
         name_channel(scene, plan.programme_channel + above, name)
     _programme(scene, plan, kept["programme"])
     _centering(scene, plan, kept["centering"])
-    for _ in conformed.renew(scene, plan.conformed, plan.conformed_channel, base):
-        pass
+    if not exact:
+        for _ in conformed.renew(scene, plan.conformed, plan.conformed_channel, base):
+            pass
     notes.extend(renew_sound(scene, plan, base))
     scene[AUTOMATIC_CAMERA] = automatic_to_text(plan.automatic)
     deselect(scene)

@@ -18,7 +18,7 @@ from mcsl_core.outputs.locks import changing
 from ...core.field import remarks_on_drawing
 from ...core.overruled import overruled
 from ...core.strip_plan import make_plan
-from ...sequencer import scene_properties
+from ...sequencer import conformed, scene_properties
 from ...sequencer.build import build_timeline
 from ...sequencer.compat import sequencer_scene, use_sequencer_scene
 from ...sequencer.edit import clear_strip_decisions
@@ -46,7 +46,7 @@ def build_into(scene, path: Path) -> list[str]:
             build_timeline(trial, plan, path.parent)
         finally:
             bpy.data.scenes.remove(trial)
-        notes = rebuild_timeline(scene, plan, path.parent)
+        notes = rebuild_timeline(scene, plan, path.parent, exact=conformed.all_hold(scene, edl))
         attach_again(scene)
     else:
         try:
