@@ -232,8 +232,9 @@ def note_saving(scene: Any, old: Path | None, new: Path) -> None:
     if not isinstance(noted, str):
         return
     if scene.get(HOME):
-        moves = old is not None and old.resolve() != new.resolve()
-        if moves and not any(place.is_file() for place in identity.candidates(noted, new, home=scene[HOME])):
+        if old is None or old.resolve() == new.resolve():
+            return
+        if not any(place.is_file() for place in identity.candidates(noted, new, home=scene[HOME])):
             note_home(scene, edl_path(scene, old / "its.blend"), new)
     elif old is None:
         note_home(scene, Path(noted), new)
