@@ -60,11 +60,13 @@ class Film:
 
 
 def film_of(work: Work, out: Path) -> Film | None:
-    """What the farm is told of an operation; None where it has no EDL yet."""
+    """What the farm is told of an operation; None where it has no EDL yet, DocumentError where it cannot render it."""
     folder = out / work.operation.key
     if not (folder / "edl.json").is_file() or work.job.facts.fault:
         return None
     edl, options = edls.read(folder / "edl.json"), work.operation.options
+    if edl.removed:
+        raise DocumentError("stretches are removed, and Blender renders the whole programme", where=str(folder))
     name = options.get("preset", "h264")
     preset = preset_of(name)
     if preset.blender.audio_codec not in _MIXED:

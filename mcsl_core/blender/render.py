@@ -154,6 +154,7 @@ def render(
         edl_path, edl = pull_from(source, blender=blender, progress=progress)
     else:
         edl = edls.load(source)
+    _check_removed(edl, edl_path, how)
     manifest = Manifest.beside(edl_path)
     read += [*inputs_of(edl, edl_path), *default_folder(edl_path).glob("*")]
     output = claim(out, inputs=read, manifest=manifest, force=how.force)
@@ -224,6 +225,16 @@ def _check(source: Path, out: Path, how: RenderSettings) -> None:
             "a timeline has its own sound",
             where=str(source),
             remedy=f"Change it in Blender, render its EDL, or take --audio {NO_SOUND}",
+        )
+
+
+def _check_removed(edl: Edl, edl_path: Path, how: RenderSettings) -> None:
+    """UsageError where Blender would show what was removed."""
+    if edl.removed and how.engine == "blender":
+        raise UsageError(
+            f"{len(edl.removed)} stretches are removed from the video, and Blender renders the whole programme",
+            where=str(edl_path),
+            remedy=f"Add --engine direct, or bring them back: mcsl remove {edl_path.name} --bring-back",
         )
 
 

@@ -119,6 +119,8 @@ def build_timeline(
         )
         built = run_task(how.blender, request, progress)
         output.keep_backup()
+    if edl.removed:
+        progress.note(f"the timeline shows the whole programme, also what is removed; see mcsl remove {edl_path.name}")
     for note in preview_notes(edl, edl_path.parent):
         progress.note(note)
     return attrs.evolve(built, blend=blend_path.resolve())

@@ -234,6 +234,18 @@ def test_a_wrong_call_is_refused_before_any_work(project, blender, source, out, 
     assert not (project / "edl.conformed").exists()
 
 
+def test_blender_does_not_show_what_is_removed_and_says_so_before(project, blender):
+    edl = edls.load(project / "edl.json")
+    edls.save(attrs.evolve(edl, removed=(R(0, 5),)), project / "edl.json")
+    with pytest.raises(UsageError, match="removed from the video"):
+        render(project / "edl.json", project / "out.mp4", preset="review", blender=blender)
+    assert not (project / "out.mp4").exists()
+    assert not (project / "edl.conformed").exists()
+    render(project / "edl.json", project / "out.mp4", preset="review", engine="direct", blender=blender)
+    with av.open(str(project / "out.mp4")) as container:
+        assert sum(1 for _ in container.decode(video=0)) == edl.frames - 5
+
+
 def test_a_render_that_fails_leaves_the_old_video(project, blender):
     out = project / "out.mp4"
     out.write_bytes(b"the old one")

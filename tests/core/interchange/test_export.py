@@ -16,6 +16,7 @@ from click.testing import CliRunner
 from coded_video import SIZE, read_number
 from interchange_readers import by_fcp_adapter, by_lxml, by_otio, expanded, of_multicam, of_track, otio, seconds
 from lxml import etree
+from notes import Notes
 from two_cameras import EXPECTED, FRAMES, make, shown, write_sources
 
 from mcsl_core import edl as edls
@@ -82,6 +83,15 @@ def test_every_document_leads_to_the_right_pictures_of_the_right_files(recording
     ]
     for one in read:
         assert pictures(expanded(one)) == EXPECTED
+
+
+def test_what_is_removed_is_in_the_document_and_that_is_told(recording):
+    path, told = recording / "edl.json", Notes()
+    edls.save(make(removed=(FrameRange(30, 60),)), path)
+    export(path, recording / "cut.otio", ExportSettings(), told)
+    assert any("the 0:00:01.0 that are removed too" in note for note in told.notes)
+    read = of_track(by_otio((recording / "cut.otio").read_bytes()).video_tracks()[-1])
+    assert pictures(expanded(read)) == EXPECTED
 
 
 def test_the_conformed_programme_is_one_video_and_one_sound(recording, monkeypatch):
