@@ -59,6 +59,7 @@ class Programme(Fields, Removal):
         self.path = Path(path)
         self._edl = edl
         self._written: Edl | None = None
+        self.hwaccel = "none"  # what decodes for `conform`: "auto", or hardware as FFmpeg names it
 
     @classmethod
     def open(cls, path: str | Path, *, allow_outside: bool = False) -> Programme:
@@ -311,7 +312,7 @@ class Programme(Fields, Removal):
         out = default_folder(self.path) if folder is None else Path(folder)
         progress = progress or Silent()
         how: dict[str, Any] = {"jobs": jobs, "prune": prune, "quality": quality_named(quality), "part": part}
-        source = ProgrammeSource(self._edl, self.folder, filler_of(self._edl, progress), audio)
+        source = ProgrammeSource(self._edl, self.folder, filler_of(self._edl, progress), audio, self.hwaccel)
         return conforming.conform(source, out, **how, progress=progress)
 
     def render(

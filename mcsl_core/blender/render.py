@@ -23,6 +23,7 @@ from mcsl_core.edl import NO_SOUND, Edl
 from mcsl_core.errors import InputError, UsageError
 from mcsl_core.filling.provenance import ShowProvenance
 from mcsl_core.hooks.registry import filler_of
+from mcsl_core.media.hardware import NONE, check_hwaccel
 from mcsl_core.media.stripping import strip
 from mcsl_core.media.writing import Encoding
 from mcsl_core.outputs.claim import claim
@@ -67,6 +68,8 @@ class RenderSettings:
         A review copy with each camera's pixels in a tint of their own; ``direct`` alone does that.
     audio : str or None
         The camera whose sound the video has, or "none"; without, the timeline's own, of an EDL its own.
+    hwaccel : str
+        Hardware that decodes the cameras' files: "auto", or as FFmpeg names it; "none" without.
     force : bool
         Replace a file that mcsl did not write, or that was changed since; what the programme is made from never.
 
@@ -83,6 +86,7 @@ class RenderSettings:
     jobs: int | None = None
     show_origin: bool = False
     audio: str | None = None
+    hwaccel: str = field(default=NONE, converter=check_hwaccel)
     force: bool = False
 
     def __attrs_post_init__(self) -> None:
@@ -154,7 +158,6 @@ def render(
         edl_path, edl = pull_from(source, blender=blender, progress=progress)
     else:
         edl = edls.load(source)
-    _check_removed(edl, edl_path, how)
     manifest = Manifest.beside(edl_path)
     read += [*inputs_of(edl, edl_path), *default_folder(edl_path).glob("*")]
     output = claim(out, inputs=read, manifest=manifest, force=how.force)
@@ -198,7 +201,8 @@ def _in_blender(blend: Path, out: Path, how: RenderSettings, blender: Blender, p
 
 def _conformed(edl: Edl, edl_path: Path, how: RenderSettings, progress: Progress, audio: str | None) -> dict[str, Any]:
     """The exact pictures and the sound, as requests take them; no sound means silence, not the reference's own."""
-    programme = ProgrammeSource(edl, edl_path.parent, filler_of(edl, progress), audio)
+    _check_removed(edl, edl_path)
+    programme = ProgrammeSource(edl, edl_path.parent, filler_of(edl, progress), audio, how.hwaccel)
     done = conform(programme, default_folder(edl_path), jobs=how.jobs, quality=how.quality, progress=progress)
     return {
         "edl": edl_path.resolve(),
@@ -228,9 +232,9 @@ def _check(source: Path, out: Path, how: RenderSettings) -> None:
         )
 
 
-def _check_removed(edl: Edl, edl_path: Path, how: RenderSettings) -> None:
+def _check_removed(edl: Edl, edl_path: Path) -> None:
     """UsageError where Blender would show what was removed."""
-    if edl.removed and how.engine == "blender":
+    if edl.removed:
         raise UsageError(
             f"{len(edl.removed)} stretches are removed from the video, and Blender renders the whole programme",
             where=str(edl_path),
@@ -261,6 +265,6 @@ def _direct(edl: Edl, edl_path: Path, out: Path, how: RenderSettings, progress: 
         audio_channels=AUDIO_CHANNELS,
         resampling=how.quality.resampling,
     )
-    source = ProgrammeSource(edl, edl_path.parent, filler, how.audio)
+    source = ProgrammeSource(edl, edl_path.parent, filler, how.audio, how.hwaccel)
     conformed = None if how.show_origin else default_folder(edl_path)
     write_direct(source, out, video=video, conformed=conformed, quality=how.quality, progress=progress)

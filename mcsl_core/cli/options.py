@@ -48,6 +48,14 @@ audio_option = click.option(
 )
 
 
+hwaccel_option = click.option(
+    "--hwaccel",
+    metavar="KIND",
+    default="none",
+    help="Hardware that decodes the cameras: auto, or as FFmpeg names it (cuda, vaapi, videotoolbox).",
+)
+
+
 class Commands(click.Group):
     """Lists the commands in the order of the work, not of the alphabet."""
 

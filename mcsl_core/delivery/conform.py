@@ -31,8 +31,8 @@ from mcsl_core.progress import Progress, Silent
 from mcsl_core.recording.changed_media import media_files, tell_of_changed_media
 from mcsl_core.recording.contents import read_contents
 from mcsl_core.recording.damage import tell_of_damage
+from mcsl_core.recording.decoding import tell_of_hardware
 from mcsl_core.recording.disk_space import tell_of_space
-from mcsl_core.recording.footage import footage_of
 
 from .audio import is_audible, sound_key, write_wav
 from .chunk_keys import Chunk, is_chunk, media_fingerprints, plan_chunks, with_former_keys
@@ -222,7 +222,7 @@ def _tell_of_space(
 
 def _make_sound(source: ProgrammeSource, out: Path, progress: Progress) -> Path | None:
     edl, camera = source.edl, source.sound_camera
-    footage = footage_of(edl, source.base, 1)
+    footage = source.footage(1)
     if camera is None or not is_audible(footage, camera, progress):
         return None
     path = out / f"sound-{sound_key(edl, camera, media_fingerprints(edl.camera(camera), source.base))}.wav"
@@ -236,7 +236,7 @@ class _ChunkMaker:
 
     def __init__(self, source: ProgrammeSource, out: Path, quality: Quality, *, jobs: int) -> None:
         self._source, self._out, self._quality, self._encoding = source, out, quality, quality.encoding
-        self.footage = footage_of(source.edl, source.base, threads=0 if jobs == 1 else 1)
+        self.footage = source.footage(threads=0 if jobs == 1 else 1)
         self._parallax = Parallax(source.edl, self.footage)
         if self._encoding.codec == "libx264":  # it codes otherwise in several threads: the bytes would tell of the jobs
             self._encoding = attrs.evolve(self._encoding, options={**self._encoding.options, "threads": "1"})
@@ -288,6 +288,7 @@ def _make_chunks(
     Each job decodes and encodes in one thread of its own; two jobs then keep two cores as busy as frame threads do,
     without waiting for each other. A single chunk, as an override leaves it, is decoded in the threads of all cores.
     """
+    tell_of_hardware(source.hwaccel, media_files(source.edl, source.base), progress)
     progress.stage("Conforming", sum(len(chunk.range) for chunk in missing), "frames")
     maker = _ChunkMaker(source, out, quality, jobs=jobs)
     manifest = Manifest.inside(out)

@@ -18,7 +18,7 @@ from mcsl_core.progress import Progress, Silent
 from mcsl_core.recording.changed_media import media_files, tell_of_changed_media
 from mcsl_core.recording.contents import read_contents
 from mcsl_core.recording.damage import tell_of_damage
-from mcsl_core.recording.footage import footage_of
+from mcsl_core.recording.decoding import tell_of_hardware
 from mcsl_core.timing import FrameRange
 
 from .audio import AUDIO_RATE, delivered_sound, is_audible
@@ -75,11 +75,12 @@ def write_direct(
     size, camera = video.size or edl.size, source.sound_camera
     read_contents(media_files(edl, source.base), progress)
     tell_of_changed_media(edl, source.base, progress)
+    tell_of_hardware(source.hwaccel, media_files(edl, source.base), progress)
     chunks = () if conformed is None else chunks_there(source, conformed, quality)
     taken = sum(len(both) for chunk in chunks for one in pieces if (both := chunk.range.intersection(one)) is not None)
     if taken:
         progress.note(f"{taken} of {frames} frames are taken from {conformed}, where they are conformed")
-    footage = footage_of(edl, source.base, threads=0)
+    footage = source.footage()
     sound = None
     if camera is not None and is_audible(footage, camera, progress):
         sound = delivered_sound(footage, camera, edl, pieces)

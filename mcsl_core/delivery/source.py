@@ -10,6 +10,8 @@ from mcsl_core.edl import NO_SOUND, Edl
 from mcsl_core.errors import UsageError
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.protocol import Filler
+from mcsl_core.media.hardware import NONE, check_hwaccel
+from mcsl_core.recording.footage import Footage, footage_of
 
 
 @frozen(eq=False)
@@ -26,17 +28,20 @@ class ProgrammeSource:
         Who fills what the chosen camera does not reach.
     audio_from
         The camera whose sound the programme has, and none at all for `NO_SOUND`; without, as the EDL has it.
+    hwaccel
+        Which hardware decodes the cameras' files, as `media.hardware` names it.
 
     Raises
     ------
     UsageError
-        Where there is no camera of that name.
+        Where there is no camera or hardware of that name.
     """
 
     edl: Edl
     base: Path
     filler: Filler = field(factory=FootprintFiller)
     audio_from: str | None = None
+    hwaccel: str = field(default=NONE, converter=check_hwaccel)
 
     def __attrs_post_init__(self) -> None:
         name = self.sound_camera
@@ -45,6 +50,10 @@ class ProgrammeSource:
                 f"there is no camera {name!r} to take the sound from",
                 remedy=f"Choose one of {', '.join(c.name for c in self.edl.cameras)}, or {NO_SOUND}",
             )
+
+    def footage(self, threads: int = 0) -> Footage:
+        """Its cameras' pictures and sound; ``threads`` as `Footage` takes them."""
+        return footage_of(self.edl, self.base, threads, self.hwaccel)
 
     @property
     def sound_camera(self) -> str | None:

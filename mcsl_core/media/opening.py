@@ -7,12 +7,15 @@ from pathlib import Path
 from typing import Any
 
 import av
+from av.codec.hwaccel import HWAccel
 from av.error import ArgumentError, FFmpegError, InvalidDataError
 from av.format import Flags
 from av.stream import Disposition
 
 from mcsl_core.edl.playlists import list_kind
 from mcsl_core.errors import MediaError
+
+from .hardware import NONE, accelerations
 
 _RUNNING_CLOCKS = {"mpegts", "mpeg", "mpegtsraw", "asf", "rtp", "flv"}  # formats whose timestamps start anywhere
 # Containers and streams that hold their pictures and sound themselves. FFmpeg knows 300 more; among them are lists that
@@ -35,10 +38,17 @@ def local_url(path: Path) -> str:
     return f"file:{path.absolute()}"
 
 
-def open_file(path: Path) -> Any:
+def open_file(path: Path, *, hwaccel: str = NONE) -> Any:
     """The container of a file, an `av` input container.
 
     Only a local, regular file is opened, and nothing that it refers to: no playlist is followed, no network reached.
+
+    Parameters
+    ----------
+    path
+        The file.
+    hwaccel
+        Which hardware decodes its pictures, as `hardware` names it; where there is none for them, the processor does.
 
     Raises
     ------
@@ -51,6 +61,9 @@ def open_file(path: Path) -> Any:
             where=str(path),
             remedy="Hand in the camera's video file",
         )
+    for acceleration in accelerations(hwaccel):
+        if (container := _accelerated(path, acceleration)) is not None:
+            return container
     try:
         return av.open(local_url(path), "r", container_options=_OPENED)
     except FFmpegError as error:
@@ -75,6 +88,23 @@ def open_file(path: Path) -> Any:
             if missing
             else "It may be cut short or no video: copy it again from the recorder, or leave it out",
         ) from error
+
+
+def _accelerated(path: Path, acceleration: HWAccel) -> Any | None:
+    """The container of a file whose pictures this hardware decodes; None where it does not, or the file is wrong."""
+    try:
+        container = av.open(local_url(path), "r", container_options=_OPENED, hwaccel=acceleration)
+    except FFmpegError:  # without hardware it is told what is wrong with the file
+        return None
+    if any(is_accelerated(stream) for stream in container.streams.video):
+        return container
+    container.close()
+    return None
+
+
+def is_accelerated(stream: Any) -> bool:
+    """Whether hardware decodes a video stream."""
+    return stream.codec_context is not None and stream.codec_context.is_hwaccel
 
 
 def main_video(container: Any, path: Path) -> Any:

@@ -14,6 +14,7 @@ from av.error import FFmpegError
 from .decoders import strict_decoder
 from .deinterlacing import deinterlaced, is_woven
 from .facts import MediaFacts
+from .hardware import NONE
 from .opening import main_video, open_file, timestamp_of
 from .packets import judged_packets, packets_of
 from .reordering import ShownOrder
@@ -36,6 +37,8 @@ class VideoReader:
         Decoder threads, 0 for as many as the machine has cores.
     skip
         What the decoder may leave out: "NONREF", pictures that no other needs; "NONKEY", all but keyframes.
+    hwaccel
+        Which hardware decodes, as `open_file` takes it. Its frames come back in the processor's memory.
 
     Notes
     -----
@@ -48,8 +51,8 @@ class VideoReader:
     >>> picture = to_planes(frame, reader.facts)  # doctest: +SKIP
     """
 
-    def __init__(self, facts: MediaFacts, *, threads: int = 0, skip: str = "") -> None:
-        self.facts, self._threads = facts, threads
+    def __init__(self, facts: MediaFacts, *, threads: int = 0, skip: str = "", hwaccel: str = NONE) -> None:
+        self.facts, self._threads, self._hwaccel = facts, threads, hwaccel
         self._skip = "" if facts.decoding_order else skip  # what is left out could not be counted
         self._keys: list[int] = []
         self._woven = False  # whether a keyframe was
@@ -58,7 +61,7 @@ class VideoReader:
         self._reopen()
 
     def _reopen(self) -> None:
-        self._container = open_file(self.facts.path)
+        self._container = open_file(self.facts.path, hwaccel=self._hwaccel)
         self._stream = main_video(self._container, self.facts.path)
         self._context = strict_decoder(self._stream) if self.facts.strict else self._stream.codec_context
         context = self._context

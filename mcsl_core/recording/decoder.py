@@ -13,6 +13,7 @@ from attrs import frozen
 
 from mcsl_core.edl import Camera
 from mcsl_core.media.facts import MediaFacts
+from mcsl_core.media.hardware import NONE
 from mcsl_core.media.reading import VideoReader
 
 
@@ -77,12 +78,12 @@ class Decoder:
     ----------
     parts
         The camera's files in order.
-    threads, skip
+    threads, skip, hwaccel
         As `VideoReader` takes them.
     """
 
-    def __init__(self, parts: Sequence[Part], *, threads: int = 0, skip: str = "") -> None:
-        self._parts, self._threads, self._skip = parts, threads, skip
+    def __init__(self, parts: Sequence[Part], *, threads: int = 0, skip: str = "", hwaccel: str = NONE) -> None:
+        self._parts, self._how = parts, {"threads": threads, "skip": skip, "hwaccel": hwaccel}
         self._part: Part | None = None
         self._reader: VideoReader | None = None
         self._pictures: Iterator[tuple[Fraction, Any]] = iter(())
@@ -106,7 +107,7 @@ class Decoder:
             return None
         if part is not self._part:
             self.close()
-            self._part, self._reader = part, VideoReader(part.facts, threads=self._threads, skip=self._skip)
+            self._part, self._reader = part, VideoReader(part.facts, **self._how)
         return file_time
 
     def at(self, camera_s: Fraction) -> DecodedFrame | None:

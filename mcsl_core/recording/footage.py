@@ -24,6 +24,7 @@ from mcsl_core.edl import Camera, Edl
 from mcsl_core.imaging.planes import U8, Planes, median_planes, planes_to_bgr, resize_planes
 from mcsl_core.lru_cache import LruCache
 from mcsl_core.media.frames import to_planes
+from mcsl_core.media.hardware import NONE
 from mcsl_core.media.probing import probe
 from mcsl_core.timing import FrameRange, ranges_of
 
@@ -79,6 +80,8 @@ class Footage:
         The folder that relative media paths are relative to, the EDL's.
     threads
         Decoder threads of each stream read at full size, 0 for one a core.
+    hwaccel
+        Which hardware decodes streams read at full size, as `media.hardware` names it.
 
     Examples
     --------
@@ -87,9 +90,18 @@ class Footage:
     ...     print(frame, picture.shape)
     """
 
-    def __init__(self, cameras: Sequence[Camera], *, rate: Fraction, frames: int, base: Path, threads: int = 0) -> None:
+    def __init__(
+        self,
+        cameras: Sequence[Camera],
+        *,
+        rate: Fraction,
+        frames: int,
+        base: Path,
+        threads: int = 0,
+        hwaccel: str = NONE,
+    ) -> None:
         self.cameras, self.rate, self.frames, self.base = tuple(cameras), Fraction(rate), frames, Path(base)
-        self._threads = threads
+        self._decoding = {"threads": threads, "hwaccel": hwaccel}
         self._by_name = {camera.name: camera for camera in self.cameras}
         self._parts: dict[str, tuple[Part, ...]] = {}
         self._damaged: dict[str, set[int]] = {camera.name: set() for camera in self.cameras}
@@ -164,7 +176,7 @@ class Footage:
 
     def player(self, camera: str) -> Player:
         """Full-size pictures of ``camera`` one at a time; close it when done."""
-        return Player(self, camera, Decoder(self.parts(camera), threads=self._threads))
+        return Player(self, camera, Decoder(self.parts(camera), **self._decoding))
 
     def median(self, camera: str, frames: Sequence[int], within: FrameRange) -> Planes | None:
         """The median of full-size pictures of ``camera`` near ``frames``: what lies still. None without any picture.
@@ -178,7 +190,7 @@ class Footage:
 
     def _median(self, camera: str, frames: Sequence[int], within: FrameRange) -> Planes | None:
         half_way = min((b - a for a, b in zip(frames, frames[1:], strict=False)), default=0) / 2
-        with closing(Decoder(self.parts(camera), threads=self._threads)) as head:
+        with closing(Decoder(self.parts(camera), **self._decoding)) as head:
 
             def near(frame: int) -> Planes | None:
                 reach = min(half_way, frame - within.start, within.stop - 1 - frame)
@@ -235,7 +247,7 @@ class Footage:
             Where ``frames`` do not rise.
         """
         last = None
-        with closing(Decoder(self.parts(camera), threads=self._threads)) as decoder:
+        with closing(Decoder(self.parts(camera), **self._decoding)) as decoder:
             for frame in frames:
                 if last is not None and frame <= last:
                     raise ValueError(f"frames must rise, got {last} then {frame}")
@@ -296,6 +308,6 @@ class Footage:
         return np.concatenate(blocks) if blocks else np.zeros(0, np.float32)
 
 
-def footage_of(edl: Edl, base: Path, threads: int = 0) -> Footage:
-    """The footage of an EDL; ``base`` is the EDL's folder, ``threads`` as `Footage` takes it."""
-    return Footage(edl.cameras, rate=edl.rate, frames=edl.frames, base=base, threads=threads)
+def footage_of(edl: Edl, base: Path, threads: int = 0, hwaccel: str = NONE) -> Footage:
+    """The footage of an EDL; ``base`` is the EDL's folder, ``threads`` and ``hwaccel`` as `Footage` takes them."""
+    return Footage(edl.cameras, rate=edl.rate, frames=edl.frames, base=base, threads=threads, hwaccel=hwaccel)

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 import mcsl_core as mcsl
-from mcsl_core.cli.options import PATH, allow_outside, audio_option
+from mcsl_core.cli.options import PATH, allow_outside, audio_option, hwaccel_option
 from mcsl_core.cli.output import Session
 from mcsl_core.progress import counted
 
@@ -23,9 +23,12 @@ from mcsl_core.progress import counted
 @click.option("--part", metavar="K/N", help="Make the K-th of N parts by time; other jobs make the others meanwhile.")
 @click.option("--prune", is_flag=True, help="Delete chunks that the EDL no longer needs.")
 @audio_option
+@hwaccel_option
 @allow_outside
 @click.pass_obj
-def conform(session: Session, edl: Path, out: Path | None, quality: str, part: str | None, **how: Any) -> None:
+def conform(
+    session: Session, edl: Path, out: Path | None, quality: str, part: str | None, hwaccel: str, **how: Any
+) -> None:
     """Make the exact programme pictures of EDL.
 
     From the original media, in full resolution, in chunks: only what is missing or changed is made.
@@ -40,6 +43,7 @@ def conform(session: Session, edl: Path, out: Path | None, quality: str, part: s
     quality_named(quality)  # a wrong call is told before the EDL is read
     taken = WHOLE if part is None else Part.read(part)
     programme = mcsl.open(edl)
+    programme.hwaccel = hwaccel
     with session.progress() as progress:
         done = programme.conform(folder=out, quality=quality, part=taken, **how, progress=progress)
     folder = done.folder

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from mcsl_core.cli.options import FORCE, PATH, allow_outside, audio_option
+from mcsl_core.cli.options import FORCE, PATH, allow_outside, audio_option, hwaccel_option
 from mcsl_core.cli.output import Session, file_size
 
 
@@ -30,6 +30,7 @@ from mcsl_core.cli.output import Session, file_size
 @click.option("--blender", metavar="PATH", help="The Blender to use (see: mcsl blender).")
 @FORCE
 @audio_option
+@hwaccel_option
 @allow_outside
 @click.pass_obj
 def render(session: Session, source: Path, out: Path, **how: Any) -> None:
