@@ -76,8 +76,10 @@ def find_changes(cut: Cut, found: FoundCut, layout: Layout) -> Changes:
             cameras.append((piece, now))
         elif now is None and before is not None and retimed is None:
             removed.append(piece)
-    notes = (*found.notes, *seen.notes(), *_marker_notes(cut, found))
-    return Changes(tuple(merge_equal(cameras)), tuple(joined(removed)), notes)
+    gone = joined(removed)
+    covered = [piece for piece in gone if seen.may_be_covered(piece)]
+    notes = (*found.notes, *seen.notes(), *map(_cover_note, covered), *_marker_notes(cut, found))
+    return Changes(tuple(merge_equal(cameras)), tuple(piece for piece in gone if piece not in covered), notes)
 
 
 def with_cameras(edl: Edl, cameras: Iterable[tuple[FrameRange, str]]) -> Edl:
@@ -104,6 +106,7 @@ class _Seen:
         placed = [(clip, placer.place(clip)) for clip in found.clips]
         self._placed = [(clip, where) for clip, where in placed if where is not None]
         self._foreign = [clip for clip, where in placed if where is None]
+        self._shown: list[tuple[FrameRange, FrameRange]] = []  # where in the sequence which programme frames are seen
         self._parts = self._visible([(clip, where) for clip, where in self._placed if clip.enabled])
         by_layer = sorted(self._parts, key=lambda part: part[0].layer)
         self.painted = paint(cut.frames, [(piece, camera) for clip, piece, camera in by_layer if not clip.retimed])
@@ -126,7 +129,18 @@ class _Seen:
             frames = shown(clip, where, piece)
             if frames is not None:
                 parts.append((clip, frames, where.camera))
+                self._shown.append((piece, frames))
         return parts
+
+    def may_be_covered(self, gone: FrameRange) -> bool:
+        """Whether a foreign clip lies where programme frames that are seen no more would be: it stands for them."""
+        before = [at.stop for at, frames in self._shown if frames.stop == gone.start]
+        after = [at.start for at, frames in self._shown if frames.start == gone.stop]
+        start, stop = max(before, default=0), min(after, default=None)
+        return any(
+            clip.enabled and clip.range.stop > start and (stop is None or clip.range.start < stop)
+            for clip in self._foreign
+        )
 
     def _is_moved(self, clip: FoundClip, where: Placed) -> bool:
         """Whether a clip's picture lies elsewhere than the export laid it."""
@@ -162,6 +176,10 @@ def _alike(one: Transform, other: Transform) -> bool:
     shift = max(abs(one.x - other.x), abs(one.y - other.y))
     turn = (one.rotation - other.rotation + 180) % 360 - 180
     return shift < 0.1 and abs(one.scale - other.scale) < 3e-4 and abs(turn) < 0.02
+
+
+def _cover_note(piece: FrameRange) -> str:
+    return f"frames {piece}, in whose place lies what is none of the programme's media: they are not removed"
 
 
 def _exported(cut: Cut, layout: Layout) -> Iterator[tuple[FrameRange, str]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from attrs import frozen
@@ -9,7 +10,8 @@ from attrs import frozen
 from mcsl_core import edl as edls
 from mcsl_core.edl import Edl
 from mcsl_core.edl.edits import rebased
-from mcsl_core.errors import DocumentError, InputError, UsageError
+from mcsl_core.edl.removal import remove
+from mcsl_core.errors import DocumentError, Fault, InputError, UsageError
 from mcsl_core.outputs.claim import claim
 from mcsl_core.outputs.inputs import inputs_of
 from mcsl_core.outputs.locks import changing
@@ -40,8 +42,9 @@ def pull(
 ) -> Pulled:
     """Reads an editor's changes into an EDL, or into a copy of it at ``out``.
 
-    Which camera is shown where becomes overrides; whatever else was found changed is told and left, and so are
-    overrides that were made since the export. Where nothing was decided anew, the file is left as it is.
+    Which camera is shown where becomes overrides, what is shown no more is removed; whatever else was found changed is
+    told and left, and so are overrides that were made since the export. Nothing is brought back: exports hold what is
+    removed as well. Where nothing was decided anew, the file is left as it is.
 
     Raises
     ------
@@ -61,7 +64,7 @@ def pull(
         if out is not None and out.resolve() != edl_path.resolve():
             output = claim(out, inputs=inputs, manifest=Manifest.beside(edl_path), force=force)
         found = changes_in(document, form, edl, edl_path.parent)
-        new = with_cameras(edl, found.changes.cameras)
+        new = _without(with_cameras(edl, found.changes.cameras), found.changes.removed, document)
         if output is not None:
             moved = rebased(new, edl_path.parent, output.path.parent)
             output.write(edl_path.read_bytes() if moved == edl else edls.dumps(moved).encode())
@@ -96,15 +99,26 @@ def changes_in(document: Path, form: Format, edl: Edl, base: Path) -> Merged:
 
 
 def told(found: Merged, edl: Edl) -> list[str]:
-    """What is not read, and what became of other decisions, in words for a person."""
+    """What is removed, what is not read, and what became of other decisions, in words for a person."""
     lines = []
     for piece in found.changes.removed:
-        lines.append(f"not read: {_named(piece, edl)} were removed; the EDL keeps the programme whole")
+        lines.append(f"removed: {_named(piece, edl)} are left out of the video from now on")
     lines += [f"not read: {note}" for note in found.changes.notes]
     why = "was decided in the EDL, and the document does not know of it"
     lines += [f"kept: {_named(piece, edl)} show {camera}, which {why}" for piece, camera in found.kept]
     lines += [f"overruled: {_named(piece, edl)} showed {camera}, which {why}" for piece, camera in found.overruled]
     return lines
+
+
+def _without(edl: Edl, pieces: Iterable[FrameRange], document: Path) -> Edl:
+    """``edl`` with these frames removed as well."""
+    try:
+        for piece in pieces:
+            edl = remove(edl, piece)
+    except Fault as fault:
+        what = "shows nothing of the programme that is not removed already"
+        raise DocumentError(what, where=str(document), remedy="Bring some of it back: mcsl remove") from fault
+    return edl
 
 
 def _named(piece: FrameRange, edl: Edl) -> str:

@@ -210,6 +210,27 @@ def test_a_list_with_an_event_left_out_and_another_camera(tmp_path):
     assert (changes.cameras, changes.removed) == (((R(0, 30), "cam3"),), (R(30, 60),))
 
 
+@pytest.mark.parametrize("frames", [30, 12])
+def test_a_foreign_clip_in_place_of_a_shot_covers_it_and_removes_nothing(frames, tmp_path):
+    made = film(Fraction(25), 90)
+    timeline = by_otio(FORMATS[".otio"].write(made.cut(exact=True)))
+    del timeline.tracks[0:3]  # the cameras
+    track = timeline.video_tracks()[0]
+    of = otio.opentime
+    span = of.TimeRange(of.RationalTime(0, 25), of.RationalTime(frames, 25))
+    title = otio.schema.Clip("title", otio.schema.ExternalReference("title.mov", span), span)
+    track[1] = title
+    changes = read(made, ".otio", otio.adapters.write_to_string(timeline, "otio_json").encode(), tmp_path)
+    assert (changes.cameras, changes.removed) == ((), ())
+    assert any("frames [30, 60), in whose place" in note for note in changes.notes)
+    del track[1]
+    changes = read(made, ".otio", otio.adapters.write_to_string(timeline, "otio_json").encode(), tmp_path)
+    assert changes.removed == (R(30, 60),)
+    track.append(title)  # elsewhere: at the end, where nothing of the programme lay
+    changes = read(made, ".otio", otio.adapters.write_to_string(timeline, "otio_json").encode(), tmp_path)
+    assert changes.removed == (R(30, 60),)
+
+
 # ---------------------------------------------------------------------------------------------- whatever else
 
 

@@ -23,7 +23,7 @@ from mcsl_core import edl as edls
 from mcsl_core.cli.main import cli
 from mcsl_core.delivery import chunk_keys
 from mcsl_core.edl import Media, Override
-from mcsl_core.errors import InputError, UsageError
+from mcsl_core.errors import DocumentError, InputError, UsageError
 from mcsl_core.interchange.export import ExportSettings, export
 from mcsl_core.interchange.pull import pull
 from mcsl_core.timing import FrameRange
@@ -191,7 +191,7 @@ def test_an_angle_switched_and_pulled_is_an_override_and_pulled_again_is_nothing
     assert edl.read_bytes() == pulled
 
 
-def test_a_removed_range_is_told_by_frames_and_time_and_the_edl_left(recording):
+def test_a_removed_range_is_told_by_frames_and_time_and_left_out_from_then_on(recording):
     edl, out = recording / "edl.json", recording / "cut.fcpxml"
     run("export", edl, "-o", out)
     before = edl.read_bytes()
@@ -204,8 +204,20 @@ def test_a_removed_range_is_told_by_frames_and_time_and_the_edl_left(recording):
     (bundle / "Info.fcpxml").write_bytes(etree.tostring(root))
     assert seconds(spine[0].get("offset")) == 3600
     done = CliRunner().invoke(cli, ["--progress", "lines", "pull", str(bundle), "--edl", str(edl)])
-    assert "not read: frames [0, 50) (0:00:00.0 to 0:00:01.7) were removed" in done.output + done.stderr
-    assert edl.read_bytes() == before
+    assert "removed: frames [0, 50) (0:00:00.0 to 0:00:01.7) are left out" in done.output + done.stderr
+    was, now = json.loads(before), json.loads(edl.read_bytes())
+    assert now.pop("removed") == [[0, 50]]
+    assert now == was
+    after = edl.read_bytes()
+    run("pull", bundle, "--edl", edl)  # once more
+    assert edl.read_bytes() == after
+    run("export", edl, "-o", out)  # which holds everything: nothing comes back by that
+    run("pull", out, "--edl", edl)
+    assert edl.read_bytes() == after
+    run("remove", edl, "--bring-back")
+    run("remove", edl, "--range", "50:130")
+    with pytest.raises(DocumentError, match="shows nothing of the programme"):
+        run("pull", bundle, "--edl", edl)
 
 
 def test_a_document_of_another_analysis_or_rate_is_refused(recording):
