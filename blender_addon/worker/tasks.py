@@ -29,7 +29,7 @@ from mcsl_core.blender.messages import (
 )
 from mcsl_core.errors import BlenderError, InputError
 from mcsl_core.progress import JsonLines
-from mcsl_core.temporary import temporary_beside
+from mcsl_core.temporary import temporary_beside, temporary_folder
 
 from ..core.field import take_drawing
 from ..core.overruled import overruled
@@ -38,6 +38,7 @@ from ..core.strip_plan import StripPlan, make_plan
 from ..sequencer import conformed, output, scene_properties
 from ..sequencer.build import build_timeline
 from ..sequencer.compat import use_sequencer_scene
+from ..sequencer.delivered import delivered_scene
 from ..sequencer.edit import drop_drawing
 from ..sequencer.notices import notices
 from ..sequencer.read import read_drawing, read_timeline
@@ -108,7 +109,15 @@ def render(request: RenderRequest, progress: JsonLines) -> RenderedVideo:
     scene = _open(request.blend)
     for note in confine(scene):
         progress.note(note)
-    output.apply(scene, request.preset, str(request.output), sound=has_sound(scene))
+    sound = has_sound(scene)
+    output.apply(scene, request.preset, str(request.output), sound=sound)
+    with temporary_folder("sound") as folder:
+        if request.delivered:
+            scene = delivered_scene(scene, request.delivered, folder, sound=sound)
+        return _rendered(scene, request.output, progress)
+
+
+def _rendered(scene: Any, path: Path, progress: JsonLines) -> RenderedVideo:
     total = len(range(scene.frame_start, scene.frame_end + 1, scene.frame_step))
     progress.stage("render", total, "frames")
     done = 0
@@ -120,11 +129,9 @@ def render(request: RenderRequest, progress: JsonLines) -> RenderedVideo:
 
     bpy.app.handlers.render_write.append(written)  # render_post also comes for the scenes of scene strips
     bpy.ops.render.render(animation=True, scene=scene.name)
-    if done != total or not request.output.is_file():
-        raise BlenderError(
-            f"wrote {done} of {total} frames", where=str(request.output), remedy="See the end of its log above"
-        )
-    return RenderedVideo(request.output, done)
+    if done != total or not path.is_file():
+        raise BlenderError(f"wrote {done} of {total} frames", where=str(path), remedy="See the end of its log above")
+    return RenderedVideo(path, done)
 
 
 TASKS: dict[str, tuple[type[Any], Callable[[Any, JsonLines], Any]]] = {

@@ -13,7 +13,7 @@ class Removal:
     """What a `Programme` says and decides about frames that are left out."""
 
     def remove(self: Document, frames: FrameRange | tuple[int, int]) -> None:
-        """Leaves a range out of what is rendered directly. `save` writes it.
+        """Leaves a range out of renders. `save` writes it.
 
         Parameters
         ----------
@@ -42,5 +42,5 @@ class Removal:
 
     @property
     def delivered(self: Document) -> tuple[FrameRange, ...]:
-        """The ranges of frames that a direct render has, in order."""
+        """The ranges of frames that a render has, in order."""
         return removal.delivered(self.edl)

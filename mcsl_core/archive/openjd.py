@@ -66,7 +66,7 @@ def film_of(work: Work, out: Path) -> Film | None:
         return None
     edl, options = edls.read(folder / "edl.json"), work.operation.options
     if edl.removed:
-        raise DocumentError("stretches are removed, and Blender renders the whole programme", where=str(folder))
+        raise DocumentError("stretches are removed, and Blender alone renders the whole programme", where=str(folder))
     name = options.get("preset", "h264")
     preset = preset_of(name)
     if preset.blender.audio_codec not in _MIXED:

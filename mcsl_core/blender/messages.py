@@ -136,6 +136,9 @@ class RenderRequest(Request[RenderedVideo]):
 
     preset: Preset = field(metadata=doc("what is delivered"))
     output: Path = field(validator=_absolute, metadata=doc("the video"))
+    delivered: tuple[FrameRange, ...] = field(
+        default=(), metadata=doc("the programme frames that it shows, closed up; all of them without", optional=True)
+    )
 
 
 # --------------------------------------------------------------------------------------------------------- progress

@@ -20,6 +20,7 @@ from mcsl_core.delivery.presets import Preset, preset_of
 from mcsl_core.delivery.quality import Quality, quality_named
 from mcsl_core.delivery.source import ProgrammeSource
 from mcsl_core.edl import NO_SOUND, Edl
+from mcsl_core.edl.removal import delivered
 from mcsl_core.errors import InputError, UsageError
 from mcsl_core.filling.provenance import ShowProvenance
 from mcsl_core.hooks.registry import filler_of
@@ -171,14 +172,14 @@ def render(
             run_task(blender, RefreshRequest(blend=source.resolve(), **media), progress)
             if manifest.knows(source, was):  # nobody had worked in it, so that it is still ours
                 manifest.record(source)
-            _in_blender(source, part, how, blender, progress)
+            _in_blender(source, part, edl, how, blender, progress)
             return out
-        _through_a_timeline(part, how, blender, media, progress)
+        _through_a_timeline(part, edl, how, blender, media, progress)
     return out
 
 
 def _through_a_timeline(
-    out: Path, how: RenderSettings, blender: Blender, media: dict[str, Any], progress: Progress
+    out: Path, edl: Edl, how: RenderSettings, blender: Blender, media: dict[str, Any], progress: Progress
 ) -> None:
     """Renders an EDL: its timeline is built for that alone."""
     with temporary_folder("render") as temporary:
@@ -186,13 +187,14 @@ def _through_a_timeline(
         video = {"preset": how.delivery, "output": f"{blend.stem}.{how.delivery.container}"}
         silent = media["sound"] is None  # not the reference's own, where another's was asked for
         run_task(blender, TimelineRequest(blend=blend, silent=silent, **video, **media), progress)
-        _in_blender(blend, out, how, blender, progress)
+        _in_blender(blend, out, edl, how, blender, progress)
 
 
-def _in_blender(blend: Path, out: Path, how: RenderSettings, blender: Blender, progress: Progress) -> None:
+def _in_blender(blend: Path, out: Path, edl: Edl, how: RenderSettings, blender: Blender, progress: Progress) -> None:
     raw = temporary_beside(out, out.suffix)
     try:
-        run_task(blender, RenderRequest(blend=blend.resolve(), preset=how.delivery, output=raw), progress)
+        pieces = delivered(edl) if edl.removed else ()
+        run_task(blender, RenderRequest(blend.resolve(), how.delivery, raw, pieces), progress)
         # Blender's FFmpeg writes down its version and all that its encoders were told.
         strip(raw, out, sound=how.audio != NO_SOUND)
     finally:
@@ -201,7 +203,6 @@ def _in_blender(blend: Path, out: Path, how: RenderSettings, blender: Blender, p
 
 def _conformed(edl: Edl, edl_path: Path, how: RenderSettings, progress: Progress, audio: str | None) -> dict[str, Any]:
     """The exact pictures and the sound, as requests take them; no sound means silence, not the reference's own."""
-    _check_removed(edl, edl_path)
     programme = ProgrammeSource(edl, edl_path.parent, filler_of(edl, progress), audio, how.hwaccel)
     done = conform(programme, default_folder(edl_path), jobs=how.jobs, quality=how.quality, progress=progress)
     return {
@@ -229,16 +230,6 @@ def _check(source: Path, out: Path, how: RenderSettings) -> None:
             "a timeline has its own sound",
             where=str(source),
             remedy=f"Change it in Blender, render its EDL, or take --audio {NO_SOUND}",
-        )
-
-
-def _check_removed(edl: Edl, edl_path: Path) -> None:
-    """UsageError where Blender would show what was removed."""
-    if edl.removed:
-        raise UsageError(
-            f"{len(edl.removed)} stretches are removed from the video, and Blender renders the whole programme",
-            where=str(edl_path),
-            remedy=f"Add --engine direct, or bring them back: mcsl remove {edl_path.name} --bring-back",
         )
 
 

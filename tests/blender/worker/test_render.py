@@ -14,6 +14,7 @@ from traces import traces
 
 from mcsl_core import edl as edls
 from mcsl_core.blender.render import render
+from mcsl_core.blender.timeline import build_timeline
 from mcsl_core.delivery import presets
 from mcsl_core.edl import Override
 from mcsl_core.errors import Cancelled, InputError, UsageError
@@ -27,6 +28,18 @@ def lumas(path: Path) -> list[np.ndarray]:
     """Every frame's luma, 8 bits."""
     with av.open(str(path)) as container:
         return [f.reformat(format="yuv420p").to_ndarray()[: f.height].copy() for f in container.decode(video=0)]
+
+
+def heard_in(path: Path) -> np.ndarray:
+    """The left channel, -1 to 1, from the first sample."""
+    sound = np.zeros(0)
+    with av.open(str(path)) as container:
+        resampler = av.AudioResampler(format="fltp", rate=48000)
+        for frame in container.decode(audio=0):
+            for made in resampler.resample(frame):
+                start, data = max(0, round(made.time * 48000)), made.to_ndarray()[0]
+                sound = np.concatenate([sound[:start], np.zeros(max(0, start - len(sound))), data])
+    return sound
 
 
 def psnr(a: np.ndarray, b: np.ndarray) -> float:
@@ -234,16 +247,34 @@ def test_a_wrong_call_is_refused_before_any_work(project, blender, source, out, 
     assert not (project / "edl.conformed").exists()
 
 
-def test_blender_does_not_show_what_is_removed_and_says_so_before(project, blender):
-    edl = edls.load(project / "edl.json")
-    edls.save(attrs.evolve(edl, removed=(R(0, 5),)), project / "edl.json")
-    with pytest.raises(UsageError, match="removed from the video"):
-        render(project / "edl.json", project / "out.mp4", preset="review", blender=blender)
-    assert not (project / "out.mp4").exists()
-    assert not (project / "edl.conformed").exists()
-    render(project / "edl.json", project / "out.mp4", preset="review", engine="direct", blender=blender)
-    with av.open(str(project / "out.mp4")) as container:
-        assert sum(1 for _ in container.decode(video=0)) == edl.frames - 5
+@pytest.mark.parametrize("name", ["archive", "review"])
+@pytest.mark.parametrize("from_timeline", [False, True])
+def test_what_is_removed_is_not_rendered(project, blender, name, from_timeline):
+    """The same pictures as without, less those that are removed; silence at the seams, and the sound in time."""
+    suffix = presets.load_preset(name).container
+    edl, whole, out = project / "edl.json", project / f"whole.{suffix}", project / f"out.{suffix}"
+    render(edl, whole, preset=name, blender=blender)
+    was = edls.load(edl)
+    edls.save(attrs.evolve(was, removed=(R(7, 22), R(50, FRAMES))), edl)
+    source = edl
+    if from_timeline:
+        source = project / "edit.blend"
+        build_timeline(edl, source, blender=blender)
+    render(source, out, preset=name, blender=blender)
+    left = [n for n in range(FRAMES) if not (7 <= n < 22 or n >= 50)]
+    made, all_of_it = lumas(out), lumas(whole)
+    assert len(made) == len(left)
+    worst = min(psnr(picture, all_of_it[n]) for picture, n in zip(made, left, strict=True))
+    assert worst == float("inf") if name == "archive" else worst > 45
+    heard, before = (heard_in(path) for path in (out, whole))
+    a_frame = 48000 / RATE
+    seam, there, fade = (round(frame * a_frame) for frame in (7, 22, 2))
+    rising = (np.arange(fade) + 0.5) / fade
+    expected = np.concatenate([before[:seam], before[there : there + 28 * 1601]])
+    expected[seam - fade : seam] *= rising[::-1]
+    expected[seam : seam + fade] *= rising
+    off = np.abs(heard[: len(expected)] - expected)
+    assert off.max() < 0.002 if name == "archive" else np.sqrt(np.mean(off**2)) < 0.01  # review's AAC is lossy
 
 
 def test_a_render_that_fails_leaves_the_old_video(project, blender):

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A scene that shows of another's programme what is not removed, closed up, picture and sound."""
+
+from __future__ import annotations
+
+import wave
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import bpy  # pyright: ignore[reportMissingImports]
+import numpy as np
+
+from mcsl_core.timing import FrameRange
+
+from .compat import set_content_start, set_ends, use_sequencer_scene
+
+_FADE = 2  # frames on each side of a seam, as in delivery/audio.py
+
+
+def delivered_scene(scene: Any, pieces: Sequence[FrameRange], folder: Path, *, sound: bool) -> Any:
+    """A new scene of ``scene``'s settings that plays these programme frames one after another.
+
+    Scene strips show the other's sequencer. They would play its sound as well, but a quarter of a frame late and a
+    frame too long (5.0.1): so that is mixed into a file in ``folder``, cut there and laid beside them.
+    """
+    new = scene.copy()
+    new.name = f"{scene.name} delivered"
+    new.animation_data_clear()  # a copy shares the programme's keys
+    new.sequence_editor_clear()
+    strips = new.sequence_editor_create().strips
+    at = 0
+    for piece in pieces:
+        strip = strips.new_scene(name=str(piece.start), scene=scene, channel=1, frame_start=1 + scene.frame_end + at)
+        strip.scene_input = "SEQUENCER"
+        strip.volume = 0.0
+        set_ends(strip, *(scene.frame_end + at + end for end in (piece.start, piece.stop)))
+        set_content_start(strip, at - piece.start)
+        at += len(piece)
+    new.frame_start, new.frame_end = 1, at
+    if sound:
+        mixed = _mixed(scene, folder / "mixed.wav")
+        _close_up(mixed, pieces, scene.render.fps / scene.render.fps_base, folder / "delivered.wav")
+        strips.new_sound(name="sound", filepath=str(folder / "delivered.wav"), channel=2, frame_start=1)
+    use_sequencer_scene(new)
+    return new
+
+
+def _mixed(scene: Any, path: Path) -> Path:
+    """All that is heard of a scene, as a file."""
+    with bpy.context.temp_override(scene=scene):
+        bpy.ops.sound.mixdown(filepath=str(path), container="WAV", codec="PCM", format="S16", accuracy=1024)
+    return path
+
+
+def _close_up(source: Path, pieces: Sequence[FrameRange], rate: float, path: Path) -> None:
+    """The sound of these frames one after another; it falls to silence where one ends, and rises at the next."""
+    with wave.open(str(source)) as whole, wave.open(str(path), "wb") as out:
+        out.setparams(whole.getparams())
+        a_frame, channels = whole.getframerate() / rate, whole.getnchannels()
+        frames = given = 0
+        for number, piece in enumerate(pieces):
+            frames += len(piece)
+            count = round(frames * a_frame) - given
+            given += count
+            whole.setpos(min(round(piece.start * a_frame), whole.getnframes()))
+            sound = np.zeros((count, channels))
+            read = np.frombuffer(whole.readframes(count), "<i2").reshape(-1, channels)
+            sound[: len(read)] = read
+            fade = min(round(_FADE * a_frame), count // 2)
+            rising = ((np.arange(fade) + 0.5) / fade)[:, None]
+            if number > 0:
+                sound[:fade] *= rising
+            if number < len(pieces) - 1:
+                sound[count - fade :] *= rising[::-1]
+            out.writeframes(np.round(sound).astype("<i2").tobytes())
