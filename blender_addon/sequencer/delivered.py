@@ -64,13 +64,14 @@ def _close_up(source: Path, pieces: Sequence[FrameRange], rate: float, path: Pat
             count = round(frames * a_frame) - given
             given += count
             whole.setpos(min(round(piece.start * a_frame), whole.getnframes()))
-            sound = np.zeros((count, channels))
-            read = np.frombuffer(whole.readframes(count), "<i2").reshape(-1, channels)
-            sound[: len(read)] = read
-            fade = min(round(_FADE * a_frame), count // 2)
-            rising = ((np.arange(fade) + 0.5) / fade)[:, None]
-            if number > 0:
-                sound[:fade] *= rising
-            if number < len(pieces) - 1:
-                sound[count - fade :] *= rising[::-1]
-            out.writeframes(np.round(sound).astype("<i2").tobytes())
+            fade = max(1, min(round(_FADE * a_frame), count // 2))
+            for at in range(0, count, whole.getframerate()):  # by the second: a piece may last for hours
+                index = np.arange(at, min(at + whole.getframerate(), count)) + 0.5
+                sound = np.zeros((len(index), channels))
+                read = np.frombuffer(whole.readframes(len(index)), "<i2").reshape(-1, channels)
+                sound[: len(read)] = read
+                if number > 0:
+                    sound *= np.minimum(1, index / fade)[:, None]
+                if number < len(pieces) - 1:
+                    sound *= np.minimum(1, (count - index) / fade)[:, None]
+                out.writeframes(np.round(sound).astype("<i2").tobytes())
