@@ -216,7 +216,7 @@ ENTRIES = [
 CSV = b"pose,camera,x,y,programme_x,programme_y\n" + b"".join(b",cam2,%d,%d,%d,%d\n" % tuple(p) for p in POINTS)
 GAZE = b"".join(b"%.3f,Kim,%d,%d,cam2\n" % (n / 30, 100 + n % 9, 80) for n in range(0, 300, 9))
 TOBII = b"".join(b"%d\tP1\t%d\t%d\n" % (n * 33333, 100 + n % 9, 80) for n in range(40))
-DECIDED = ReadDecisions(Path("/a/edl.json"), EDL.overrides, EDL.corrections, EDL.look, EDL.drawn_fields, True)
+DECIDED = ReadDecisions(Path("/a/edl.json"), EDL.overrides, EDL.corrections, EDL.look, EDL.drawn_fields, (), None, True)
 ONNX = (
     b'[output]\nmeaning = "sigmoid"\nfield = [0]\nthreshold = 0.4\n[input]\nsize = [96, 64]\nmean = [0.5, 0.5, 0.5]\n'
 )
