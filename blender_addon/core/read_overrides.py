@@ -26,6 +26,7 @@ from mcsl_core.timing import FrameRange
 
 from .corrections import FoundCamera, read_corrections
 from .field import FoundDrawing, take_drawing
+from .removal import NO_MARKS, FoundRemoval, take_removal
 from .strip_plan import automatic_cameras
 from .times import FoundFilm, FoundShot, SceneTime, check_times
 
@@ -81,6 +82,8 @@ class SequencerState:
         What was switched for the whole programme: centering, fill, colour, surface or seeing through, and to what.
     drawing
         The surgical field drawn by hand since the EDL was written; None where nothing was.
+    removal
+        The marks over what is removed from the delivery.
     notes
         What was seen and is not read, for a person.
     scene, films, tracks
@@ -92,6 +95,7 @@ class SequencerState:
     automatic: tuple[tuple[FrameRange, str], ...] | None = None
     look: tuple[tuple[str, bool], ...] = ()
     drawing: FoundDrawing | None = None
+    removal: FoundRemoval = NO_MARKS
     notes: tuple[str, ...] = ()
     scene: SceneTime | None = None
     films: tuple[FoundFilm, ...] = ()
@@ -115,8 +119,9 @@ def read_edl(edl: Edl, state: SequencerState) -> Edl:
     check_times(edl, state.scene, state.films, shots, state.tracks)
     look = attrs.evolve(edl.look, **dict(state.look))
     drawn = take_drawing(edl, state.drawing).fields
-    if (look, drawn) != (edl.look, edl.drawn_fields):
-        edl = edl.redecided(look=look, drawn_fields=drawn)
+    removed = take_removal(edl, state.removal)
+    if (look, drawn, removed) != (edl.look, edl.drawn_fields, edl.removed):
+        edl = edl.redecided(look=look, drawn_fields=drawn, removed=removed)
     overrides, corrections = read_overrides(edl, state), read_corrections(edl, state.cameras)
     if (overrides, corrections) == (edl.overrides, edl.corrections):
         return edl

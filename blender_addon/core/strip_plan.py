@@ -132,6 +132,7 @@ class StripPlan:
     conformed: tuple[ConformedPiece, ...]
     markers: tuple[MarkerPlan, ...]
     automatic: tuple[tuple[FrameRange, str], ...]
+    removed: tuple[FrameRange, ...] = ()
     notes: tuple[str, ...] = ()
 
 
@@ -168,6 +169,7 @@ def make_plan(edl: Edl, conformed: Iterable[ConformedPiece] = (), sound: Path | 
         conformed=tuple(sorted(conformed, key=lambda piece: piece.range)),
         markers=markers_of(edl),
         automatic=automatic_cameras(edl),
+        removed=edl.removed,
         notes=tuple(
             f"{c.name} runs at {float(c.rate):.3f} frames/s, the programme at {float(edl.rate):.3f}: "
             "its strips drift from the sound until the stretch is conformed"

@@ -26,6 +26,7 @@ from .camera_keys import place_camera
 from .centering_keys import set_centering_keys
 from .compat import ends, new_effect
 from .edit import check_there, set_colour, split_strip
+from .marks import lay_marks
 from .scene_properties import (
     AUTOMATIC_CAMERA,
     CAMERA,
@@ -157,6 +158,7 @@ def _decided(scene: Any, plan: StripPlan, base: Path) -> list[str]:
     for piece in plan.conformed:
         add_conformed_strip(scene, piece, plan.conformed_channel, base)
     scene[AUTOMATIC_CAMERA] = automatic_to_text(plan.automatic)
+    lay_marks(scene, plan.removed)
     notes = lay_sound(scene, plan, base)
     deselect(scene)
     return notes

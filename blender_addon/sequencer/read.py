@@ -16,6 +16,7 @@ from ..core.strip_plan import automatic_from_text
 from .camera_keys import moved_by_hand
 from .centering_keys import keyed_by_hand
 from .compat import ends, strips_of
+from .marks import read_marks
 from .read_times import read_films, read_scene_time
 from .scene_properties import (
     AUTOMATIC_CAMERA,
@@ -58,6 +59,7 @@ def read_timeline(scene: Any) -> SequencerState:
         automatic=_automatic(scene),
         look=tuple((aid, _flag(scene, name, "the scene")) for aid, name in LOOK_FOR_ALL.items() if name in scene),
         drawing=read_drawing(scene),
+        removal=read_marks(scene),
         notes=_remarks(scene),
         scene=read_scene_time(scene),
         films=read_films(scene),

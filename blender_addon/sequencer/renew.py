@@ -23,6 +23,7 @@ from .centering_keys import set_centering_keys
 from .compat import ends, set_ends
 from .edit import HIGHEST_CHANNEL, effect_inputs, remove, split_at
 from .films import link_film
+from .marks import lay_marks
 from .scene_properties import (
     AUTOMATIC_CAMERA,
     CAMERA,
@@ -71,6 +72,7 @@ def rebuild_timeline(scene: Any, plan: StripPlan, base: Path, *, exact: bool = F
             pass
     notes.extend(renew_sound(scene, plan, base))
     scene[AUTOMATIC_CAMERA] = automatic_to_text(plan.automatic)
+    lay_marks(scene, plan.removed)
     deselect(scene)
     return notes
 
@@ -81,7 +83,8 @@ def _make_room(scene: Any, plan: StripPlan, was: int) -> list[str]:
     shift = plan.programme_channel - was
     ours = [s for s in editor.strips if role_of(s) in ("programme", "centering", "conformed")]
     lowest = min(plan.programme_channel, was)
-    above = sorted((s for s in editor.strips if not role_of(s) and s.channel >= lowest), key=_by_channel)
+    above = [s for s in editor.strips if role_of(s) in ("", "removed") and s.channel >= lowest]
+    above.sort(key=_by_channel)
     lift = max(0, plan.conformed_channel + 1 - above[0].channel) if above else 0
     if lift and above[-1].channel + lift > HIGHEST_CHANNEL:
         raise InputError(

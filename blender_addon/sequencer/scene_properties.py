@@ -26,7 +26,7 @@ TIMELINE_SCHEMA = "mcsl.timeline/1"
 
 MARK = "mcsl"  # of the scene: the timeline's schema; of a strip: its role, and what has none is the editor's
 
-ROLES = ("camera", "programme", "centering", "conformed", "sound")
+ROLES = ("camera", "programme", "centering", "conformed", "sound", "removed")
 
 # Of the scene.
 EDL_PATH = "mcsl_edl"  # the EDL it was built from; a scene that has it holds a timeline
@@ -43,6 +43,7 @@ SOUND_LAID = "mcsl_sound"  # where sound was laid, as JSON [[start, stop], ...]:
 SILENT = "mcsl_silent"  # it was built without sound, as was asked
 PROXIES = "mcsl_proxies"  # the camera strips take their preview from proxies
 DRAWN_FIELDS = "mcsl_drawn_fields"  # the surgical field drawn by hand since the EDL was written last, as text
+REMOVED_UPON = "mcsl_removed_upon"  # what the EDL had removed when the marks were laid, as JSON [[start, stop], ...]
 DRAWN_UPON = "mcsl_drawn_upon"  # what the EDL had drawn when that was, as text
 LOOK_FOR_ALL = {  # a part of the look that was switched for the whole programme
     "centering": "mcsl_look_centering",
@@ -76,7 +77,7 @@ AUTOMATIC_CAMERA = "mcsl_automatic"
 
 
 def role_of(strip: Any) -> str:
-    """What a strip is to the timeline: camera, programme, centering, conformed, sound, or '' for the editor's own."""
+    """What a strip is to the timeline, one of `ROLES`; '' for the editor's own."""
     role = strip.get(MARK, "")
     return role if role in ROLES else ""
 

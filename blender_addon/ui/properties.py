@@ -138,6 +138,8 @@ class MCSL_State(bpy.types.PropertyGroup):
     short_shots: bpy.props.IntProperty()
     outstanding_s: bpy.props.FloatProperty()
     lost_s: bpy.props.FloatProperty()
+    removed_s: bpy.props.FloatProperty()
+    removals: bpy.props.IntProperty()
     problem: bpy.props.StringProperty()
     notices: bpy.props.StringProperty()
 

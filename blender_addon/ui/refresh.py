@@ -204,6 +204,7 @@ def _tell(
     if edl is None:
         return
     state.outstanding_s, state.lost_s = outstanding_s, lost_s
+    state.removed_s, state.removals = float(sum(map(len, edl.removed)) / edl.rate), len(edl.removed)
     rows = shot_list.rows_of(edl, decisions)
     state.overrides, state.short_shots = sum(row.overridden for row in rows), len(shot_list.short(rows))
     _list(state.shots, rows, edl.rate)
@@ -342,7 +343,8 @@ def _loaded(*_: Any) -> None:
     _last.clear()
     state.shots.clear()
     state.notices = ""
-    state.problem, state.outstanding_s, state.lost_s, state.overrides, state.short_shots = "", 0.0, 0.0, 0, 0
+    for name in ("problem", "outstanding_s", "lost_s", "removed_s", "removals", "overrides", "short_shots"):
+        state.property_unset(name)
     if timelines():
         first_view.open_tab()
     for scene in timelines():

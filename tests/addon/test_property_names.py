@@ -43,6 +43,7 @@ SAVED = {  # in .blend files that editors have: never to be renamed
     "mcsl_placed",
     "mcsl_planned",
     "mcsl_proxies",
+    "mcsl_removed_upon",
     "mcsl_recording",
     "mcsl_see_through",
     "mcsl_silent",

@@ -3,9 +3,22 @@
 
 import bpy  # pyright: ignore[reportMissingImports]
 
-from . import analysis, angles, decisions, delivery, field, interchange, look, preview, proxies, recording, timeline
+from . import (
+    analysis,
+    angles,
+    decisions,
+    delivery,
+    field,
+    interchange,
+    look,
+    preview,
+    proxies,
+    recording,
+    removal,
+    timeline,
+)
 
-_PARTS = (recording, analysis, timeline, angles, proxies, decisions, look, field, delivery, interchange)
+_PARTS = (recording, analysis, timeline, angles, proxies, decisions, removal, look, field, delivery, interchange)
 CLASSES = tuple(kind for part in _PARTS for kind in part.CLASSES)
 
 

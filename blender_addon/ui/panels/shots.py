@@ -78,6 +78,12 @@ class MCSL_PT_shots(TimelinePanel, bpy.types.Panel):
         row = layout.row(align=True)
         row.operator("mcsl.revert", icon="LOOP_BACK").everything = False
         row.operator("mcsl.revert", text="All", icon="LOOP_BACK").everything = True
+        row = layout.row(align=True)
+        row.operator("mcsl.remove", icon="CUT")
+        row.operator("mcsl.bring_back", icon="LOOP_BACK")
+        if state.removals:
+            text = shown("Removed: {seconds} in {count} places")
+            wrapped(layout, text.format(seconds=shot_list.seconds_text(state.removed_s), count=state.removals))
         layout.operator("mcsl.pull_overrides", icon="IMPORT")
 
 

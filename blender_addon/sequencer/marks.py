@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Marks over what is removed from the delivery: strips that darken what lies below, on a channel of their own on top.
+
+They are the editor's to lay, move, trim and delete; core/removal.py says what they mean.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from mcsl_core.errors import InputError
+from mcsl_core.timing import FrameRange, joined
+
+from ..core.removal import FoundRemoval, from_text, merged, to_text
+from ..core.stale import without
+from .compat import ends, new_effect, set_ends
+from .edit import HIGHEST_CHANNEL, split_strip
+from .scene_properties import MARK, REMOVED_UPON, odd, role_of, text_of
+
+_DARK = 0.2  # what is left of the light: still to be told what it was
+_COLOUR = "COLOR_01"  # red
+
+
+def marks_of(scene: Any) -> list[Any]:
+    """The strips that say what is removed; a muted one says nothing, and stays where it is."""
+    return [strip for strip in scene.sequence_editor.strips if role_of(strip) == "removed" and not strip.mute]
+
+
+def read_marks(scene: Any) -> FoundRemoval:
+    """The marks, and what they were laid upon. InputError where that cannot be read."""
+    text = text_of(scene, REMOVED_UPON, "the scene", "[]")
+    try:
+        upon = from_text(text)
+    except (ValueError, TypeError) as error:
+        raise odd(REMOVED_UPON, text, "ranges of frames", "the scene") from error
+    return FoundRemoval(tuple(joined(FrameRange(max(a, 0), b) for a, b in _spans(scene) if b > max(a, 0))), upon)
+
+
+def lay_marks(scene: Any, removed: Sequence[FrameRange]) -> None:
+    """Marks over what the EDL has removed, and over what the editor marked and the EDL has not yet.
+
+    Marks that lie right stay the strips they are.
+    """
+    wanted = merged(removed, read_marks(scene))
+    for strip in marks_of(scene):
+        if without([FrameRange(*ends(strip))], wanted):
+            scene.sequence_editor.strips.remove(strip)
+    for piece in without(wanted, read_marks(scene).marks):
+        mark(scene, piece)
+    note_removed(scene, removed)
+
+
+def note_removed(scene: Any, removed: Iterable[FrameRange]) -> None:
+    """Notes what the EDL has removed: from now on marks are read against that."""
+    scene[REMOVED_UPON] = to_text(removed)
+
+
+def mark(scene: Any, piece: FrameRange) -> None:
+    """A mark over programme frames. InputError where there is no channel left for it."""
+    channel = _channel(scene)
+    strip = new_effect(scene, "Removed", "ADJUSTMENT", channel, piece.start, piece.stop)
+    strip[MARK] = "removed"
+    strip.color_multiply, strip.color_tag = _DARK, _COLOUR
+    scene.sequence_editor.channels[strip.channel].name = "Removed"
+
+
+def unmark(scene: Any, piece: FrameRange) -> bool:
+    """Takes the marks away from programme frames; whether any lay there."""
+    found = False
+    for strip in marks_of(scene):
+        start, stop = ends(strip)
+        if not (part := FrameRange(start, stop).intersection(piece)):
+            continue
+        found = True
+        if part.start > start and part.stop < stop:
+            split_strip(strip, part.stop)
+        if part.start > start:
+            set_ends(strip, start, part.start)
+        elif part.stop < stop:
+            set_ends(strip, part.stop, stop)
+        else:
+            scene.sequence_editor.strips.remove(strip)
+    return found
+
+
+def _spans(scene: Any) -> list[tuple[int, int]]:
+    return [ends(strip) for strip in marks_of(scene)]
+
+
+def _channel(scene: Any) -> int:
+    """That of the marks, else the first above all strips and Conformed, so that a mark lies over whatever is shown."""
+    if marks := marks_of(scene):
+        return marks[0].channel
+    strips = scene.sequence_editor.strips
+    channel = max(strip.channel + (role_of(strip) == "centering") for strip in strips) + 1
+    if channel > HIGHEST_CHANNEL:
+        raise InputError(
+            "has no channel left above all strips for the marks over what is removed",
+            where="the sequencer",
+            remedy="Move your highest strips down",
+        )
+    return channel
