@@ -13,7 +13,8 @@ import numpy as np
 
 from mcsl_core.timing import FrameRange
 
-from .compat import set_content_start, set_ends, use_sequencer_scene
+from .compat import set_content_start, set_ends
+from .scene_properties import DELIVERED, MARK
 
 _FADE = 2  # frames on each side of a seam, as in delivery/audio.py
 
@@ -26,6 +27,10 @@ def delivered_scene(scene: Any, pieces: Sequence[FrameRange], folder: Path, *, s
     """
     new = scene.copy()
     new.name = f"{scene.name} delivered"
+    for name in [name for name in new.keys() if name.startswith(MARK)]:  # noqa: SIM118 - a scene is no mapping
+        del new[name]  # it is no timeline
+    new[DELIVERED] = True
+    new.use_preview_range = False
     new.animation_data_clear()  # a copy shares the programme's keys
     new.sequence_editor_clear()
     strips = new.sequence_editor_create().strips
@@ -42,8 +47,13 @@ def delivered_scene(scene: Any, pieces: Sequence[FrameRange], folder: Path, *, s
         mixed = _mixed(scene, folder / "mixed.wav")
         _close_up(mixed, pieces, scene.render.fps / scene.render.fps_base, folder / "delivered.wav")
         strips.new_sound(name="sound", filepath=str(folder / "delivered.wav"), channel=2, frame_start=1)
-    use_sequencer_scene(new)
     return new
+
+
+def drop_delivered() -> None:
+    """Removes every scene that `delivered_scene` made, also of a file that was saved while one was rendered."""
+    for scene in [scene for scene in bpy.data.scenes if scene.get(DELIVERED)]:
+        bpy.data.scenes.remove(scene)
 
 
 def _mixed(scene: Any, path: Path) -> Path:

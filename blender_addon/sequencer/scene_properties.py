@@ -42,6 +42,7 @@ CONFORMED_BASIS = "mcsl_conformed_for"  # what its conformed pictures were made 
 SOUND_LAID = "mcsl_sound"  # where sound was laid, as JSON [[start, stop], ...]: what is missing there was taken out
 SILENT = "mcsl_silent"  # it was built without sound, as was asked
 PROXIES = "mcsl_proxies"  # the camera strips take their preview from proxies
+DELIVERED = "mcsl_delivered"  # no timeline, but what is delivered of one, made to be rendered
 DRAWN_FIELDS = "mcsl_drawn_fields"  # the surgical field drawn by hand since the EDL was written last, as text
 REMOVED_UPON = "mcsl_removed_upon"  # what the EDL had removed when the marks were laid, as JSON [[start, stop], ...]
 DRAWN_UPON = "mcsl_drawn_upon"  # what the EDL had drawn when that was, as text

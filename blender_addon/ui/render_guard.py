@@ -6,12 +6,19 @@ Blender writes it beside its place under a hidden name; complete, it takes the p
 
 from __future__ import annotations
 
+import shutil
+import tempfile
 from pathlib import Path
 from typing import Any
 
 import bpy  # pyright: ignore[reportMissingImports]
 from attrs import define
 
+from mcsl_core.edl import Edl
+from mcsl_core.edl.removal import delivered
+
+from ..sequencer.delivered import delivered_scene, drop_delivered
+from ..sequencer.sound import has_sound
 from . import job_runner
 from .translations.lookup import told
 
@@ -27,17 +34,27 @@ class Pending:
     done: int = 0
 
 
+_SOON_S = 0.5
 _pending: Pending | None = None
+_folders: list[Path] = []  # of sound that was made to be rendered
 
 
-def begin(scene: Any, target: Path) -> None:
-    """The scene is about to be rendered to ``target``; until it is whole it is written under another name."""
+def begin(scene: Any, edl: Edl, target: Path) -> Any:
+    """What is delivered of the scene is about to be rendered to ``target``; returns the scene that is to be rendered.
+
+    Until the video is whole it is written under another name.
+    """
     global _pending
+    tidy()
+    if edl.removed:
+        _folders.append(Path(tempfile.mkdtemp(prefix="mcsl-render-")))
+        scene = delivered_scene(scene, delivered(edl), _folders[-1], sound=has_sound(scene))
     part = target.with_name(f".{target.stem}.part{target.suffix}")
     part.unlink(missing_ok=True)
     frames = len(range(scene.frame_start, scene.frame_end + 1, scene.frame_step))
     _pending = Pending(scene.name, target, part, frames)
     scene.render.filepath = str(part)
+    return scene
 
 
 def drop() -> None:
@@ -59,7 +76,18 @@ def _take() -> Pending | None:
     pending, _pending = _pending, None
     if pending is not None and (scene := bpy.data.scenes.get(pending.scene)) is not None:
         scene.render.filepath = str(pending.target)
+    bpy.app.timers.register(tidy, first_interval=_SOON_S)
     return pending
+
+
+def tidy() -> float | None:
+    """What was made to be rendered goes, once Blender has done with it; returns in how many seconds to look again."""
+    if _pending is not None or bpy.app.is_job_running("RENDER"):
+        return _SOON_S
+    drop_delivered()
+    while _folders:
+        shutil.rmtree(_folders.pop(), ignore_errors=True)
+    return None
 
 
 @bpy.app.handlers.persistent
@@ -89,7 +117,12 @@ def _cancelled(*_: Any) -> None:
     drop()
 
 
-HANDLERS = {"render_write": _frame, "render_complete": _complete, "render_cancel": _cancelled}
+@bpy.app.handlers.persistent
+def _loaded(*_: Any) -> None:
+    drop_delivered()
+
+
+HANDLERS = {"render_write": _frame, "render_complete": _complete, "render_cancel": _cancelled, "load_post": _loaded}
 
 
 def register() -> None:

@@ -114,6 +114,7 @@ def render(request: RenderRequest, progress: JsonLines) -> RenderedVideo:
     with temporary_folder("sound") as folder:
         if request.delivered:
             scene = delivered_scene(scene, request.delivered, folder, sound=sound)
+            use_sequencer_scene(scene)
         return _rendered(scene, request.output, progress)
 
 

@@ -22,6 +22,7 @@ SAVED = {  # in .blend files that editors have: never to be renamed
     "mcsl_centering",
     "mcsl_colour",
     "mcsl_conformed_for",
+    "mcsl_delivered",
     "mcsl_drawn_fields",
     "mcsl_drawn_upon",
     "mcsl_edl",

@@ -89,13 +89,15 @@ class MCSL_OT_render(bpy.types.Operator):
             text = told("{seconds} show the preview, not the exact pictures: conform first for those")
             self.report({"WARNING"}, text.format(seconds=shot_list.seconds_text(left)))
         how = "EXEC_DEFAULT" if bpy.app.background else "INVOKE_DEFAULT"
-        render_guard.begin(scene, target)
         try:
-            bpy.ops.render.render(how, animation=True, scene=scene.name)
+            rendered = render_guard.begin(scene, refresh.last(scene), target)
+            bpy.ops.render.render(how, animation=True, scene=rendered.name)
         except RuntimeError as error:
             render_guard.drop()
             self.report({"ERROR"}, f"{target}: {str(error).strip()}")
             return {"CANCELLED"}
+        if bpy.app.background:
+            render_guard.tidy()  # where there are no timers
         self.report({"INFO"}, told("rendering to {path}").format(path=target))
         return {"FINISHED"}
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import av
 import pytest
-from blender_recording import SWITCH_ON, in_blender
+from blender_recording import FRAMES, SWITCH_ON, in_blender, number_of
 
 pytestmark = pytest.mark.both_blenders
 
 SET_UP = (
     SWITCH_ON
     + """
-    from blender_addon.ui import render_guard
+    from blender_addon.ui import refresh, render_guard
     from pathlib import Path
     scene.mcsl_work.preset = "review"
     scene.frame_end = 6
@@ -42,7 +43,7 @@ def test_stopped_it_leaves_the_old_video_and_no_part(built, blender, how):
     code = (
         SET_UP
         + f"""
-    render_guard.begin(scene, folder / "film.mp4")
+    render_guard.begin(scene, refresh.decided(scene), folder / "film.mp4")
     scene.frame_end = 2
     bpy.ops.mcsl.apply_preset()
     scene.render.filepath = str(folder / ".film.part.mp4")
@@ -75,3 +76,25 @@ def test_out_of_time_nothing_is_rendered(built, blender):
     said, films, old = in_blender(blender, built, code, save=False)
     assert "runs at" in said
     assert (films, old) == (["film.mp4"], True)
+
+
+def test_what_is_removed_is_left_out_and_nothing_of_that_stays(built, blender):
+    """By the marks as they stand, pulled or not; pictures and sound are held in test_render.py."""
+    code = (
+        SET_UP
+        + """
+    scene.frame_end = FRAMES
+    scene.mcsl_work.preset = "h264"
+    scene.use_preview_range = True
+    for scene.frame_preview_start, scene.frame_preview_end in ((8, 22), (51, FRAMES)):
+        bpy.ops.mcsl.remove()
+    scene.use_preview_range = False
+    told = [str(bpy.ops.mcsl.render()), films(), len(bpy.data.scenes), scene.render.filepath.endswith("film.mp4")]
+    import tempfile
+    out = [*told, [p.name for p in Path(tempfile.gettempdir()).glob("mcsl-render-*")]]
+    """
+    ).replace("FRAMES", str(FRAMES))
+    assert in_blender(blender, built, code) == ["{'FINISHED'}", ["film.mp4"], 1, True, []]
+    with av.open(str(built.parent / "film.mp4")) as film:
+        numbers = [number_of(frame.to_ndarray(format="gray8")) for frame in film.decode(video=0)]
+    assert numbers == [n for n in range(50) if not 7 <= n < 22]
