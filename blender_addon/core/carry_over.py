@@ -99,8 +99,8 @@ def ranges_of(spans: Iterable[tuple[int, int]]) -> tuple[FrameRange, ...]:
 
 
 def sound_places(plan: StripPlan) -> tuple[Place, ...]:
-    """Which file is heard when: the conformed sound throughout, or each file of the reference camera in its time."""
-    lengths = {(file.path, file.start): file.frames for file in plan.cameras[-1].files}
+    """Which file is heard when: the conformed sound throughout, or each file of the chosen camera in its time."""
+    lengths = {(file.path, file.start): file.frames for track in plan.cameras for file in track.files}
     places = []
     for index, piece in enumerate(plan.sound):
         stop = piece.start + lengths.get((piece.path, piece.start), plan.frames)

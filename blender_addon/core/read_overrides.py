@@ -21,6 +21,7 @@ import attrs
 from attrs import frozen
 
 from mcsl_core.edl import Edl, Override
+from mcsl_core.edl.checks import NO_SOUND
 from mcsl_core.errors import InputError
 from mcsl_core.timing import FrameRange
 
@@ -84,6 +85,8 @@ class SequencerState:
         The surgical field drawn by hand since the EDL was written; None where nothing was.
     removal
         The marks over what is removed from the delivery.
+    sound_from
+        The camera whose sound was chosen, "none", or "" for the automatic choice; None where nothing was chosen.
     notes
         What was seen and is not read, for a person.
     scene, films, tracks
@@ -96,6 +99,7 @@ class SequencerState:
     look: tuple[tuple[str, bool], ...] = ()
     drawing: FoundDrawing | None = None
     removal: FoundRemoval = NO_MARKS
+    sound_from: str | None = None
     notes: tuple[str, ...] = ()
     scene: SceneTime | None = None
     films: tuple[FoundFilm, ...] = ()
@@ -119,13 +123,25 @@ def read_edl(edl: Edl, state: SequencerState) -> Edl:
     check_times(edl, state.scene, state.films, shots, state.tracks)
     look = attrs.evolve(edl.look, **dict(state.look))
     drawn = take_drawing(edl, state.drawing).fields
-    removed = take_removal(edl, state.removal)
-    if (look, drawn, removed) != (edl.look, edl.drawn_fields, edl.removed):
-        edl = edl.redecided(look=look, drawn_fields=drawn, removed=removed)
+    removed, heard = take_removal(edl, state.removal), _sound_from(edl, state.sound_from)
+    if (look, drawn, removed, heard) != (edl.look, edl.drawn_fields, edl.removed, edl.audio_from):
+        edl = edl.redecided(look=look, drawn_fields=drawn, removed=removed, audio_from=heard)
     overrides, corrections = read_overrides(edl, state), read_corrections(edl, state.cameras)
     if (overrides, corrections) == (edl.overrides, edl.corrections):
         return edl
     return edl.redecided(overrides=overrides, corrections=corrections)
+
+
+def _sound_from(edl: Edl, chosen: str | None) -> str | None:
+    if chosen is None:
+        return edl.audio_from
+    names = [camera.name for camera in edl.cameras]
+    if chosen not in ("", NO_SOUND, *names):
+        raise InputError(
+            f"the timeline takes the sound of {chosen!r}, which is not a camera of the EDL",
+            remedy=f"Choose one of {', '.join(names)} or {NO_SOUND} under Render",
+        )
+    return chosen or None
 
 
 def read_overrides(edl: Edl, state: SequencerState) -> tuple[Override, ...]:

@@ -27,7 +27,7 @@ from attrs import field, frozen
 from mcsl_core.blender.messages import ConformedPiece
 from mcsl_core.edl import Camera, Edl
 from mcsl_core.edl.placement import placement_matrix
-from mcsl_core.edl.resolve import Decision, DecisionsByPose, resolve, resolve_by_pose, shift_at
+from mcsl_core.edl.resolve import Decision, DecisionsByPose, resolve, resolve_by_pose, shift_at, sound_camera
 from mcsl_core.timing import FrameRange, merge_equal
 
 from .camera_places import corrected, planned_transform
@@ -146,15 +146,16 @@ def make_plan(edl: Edl, conformed: Iterable[ConformedPiece] = (), sound: Path | 
     conformed
         Exact pictures to put in place, in any order.
     sound
-        The conformed sound, from frame 0; None takes the reference camera's own files.
+        The conformed sound, from frame 0; None takes the own files of the camera whose sound the programme has.
     """
     tracks = camera_tracks(edl)
     channels = {track.camera: track.channel for track in tracks}
     programme_channel = FIRST_CAMERA_CHANNEL + len(tracks)
+    heard = sound_camera(edl)
     if sound is not None:
         sounds: tuple[SoundPiece, ...] = (SoundPiece(str(sound), 0),)
     else:
-        sounds = tuple(SoundPiece(file.path, file.start) for file in tracks[-1].files)
+        sounds = tuple(SoundPiece(f.path, f.start) for track in tracks if track.camera == heard for f in track.files)
     return StripPlan(
         rate=edl.rate,
         size=edl.size,

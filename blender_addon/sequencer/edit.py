@@ -26,6 +26,7 @@ from .scene_properties import (
     GIVEN_NAME,
     LOOK_FOR_ALL,
     LOOK_OF_SHOT,
+    SOUND_FROM,
     given_name,
 )
 
@@ -173,11 +174,11 @@ def apply_settings(scene: Any, settings: Mapping[str, Sequence[Setting]], look: 
 
 
 def clear_strip_decisions(scene: Any) -> None:
-    """The EDL holds all that the strips said about looks and centres: from now on they say nothing of their own."""
+    """The EDL holds all that strips and scene said beside cuts: from now on they say nothing of their own."""
     for strip in scene.sequence_editor.strips:
         if strip.type == "MULTICAM":
             _clear_decisions(strip)
-    for name in LOOK_FOR_ALL.values():
+    for name in (*LOOK_FOR_ALL.values(), SOUND_FROM):
         scene.pop(name, None)
     drop_drawing(scene)
 

@@ -43,6 +43,7 @@ SOUND_LAID = "mcsl_sound"  # where sound was laid, as JSON [[start, stop], ...]:
 SILENT = "mcsl_silent"  # it was built without sound, as was asked
 PROXIES = "mcsl_proxies"  # the camera strips take their preview from proxies
 DELIVERED = "mcsl_delivered"  # no timeline, but what is delivered of one, made to be rendered
+SOUND_FROM = "mcsl_sound_from"  # the camera whose sound was chosen since the EDL was written, none, or "": automatic
 DRAWN_FIELDS = "mcsl_drawn_fields"  # the surgical field drawn by hand since the EDL was written last, as text
 REMOVED_UPON = "mcsl_removed_upon"  # what the EDL had removed when the marks were laid, as JSON [[start, stop], ...]
 DRAWN_UPON = "mcsl_drawn_upon"  # what the EDL had drawn when that was, as text

@@ -70,7 +70,7 @@ def renew_sound(scene: Any, plan: StripPlan, base: Path) -> list[str]:
         return notes
     places = sound_places(plan)
     if not places:
-        return []
+        return ["you changed the sound of this timeline, so it stays: mute or delete what is not to be heard"]
     for place in places:
         check_there(base / place.path)
     before = [ends(strip) for strip in ours]
@@ -83,6 +83,17 @@ def renew_sound(scene: Any, plan: StripPlan, base: Path) -> list[str]:
         )
     if not ours:
         notes.append("the recording's sound is not in this timeline any more: it stays silent")
+    return notes
+
+
+def choose_sound(scene: Any, plan: StripPlan, base: Path) -> list[str]:
+    """The sound of ``plan``, which is another's by the editor's choice, or none. Notes for a person."""
+    if plan.sound and scene.get(SILENT):
+        del scene[SILENT]
+        _note_laid(scene, ())
+    notes = renew_sound(scene, plan, base)
+    if not plan.sound and not notes:
+        keep_silent(scene, plan)
     return notes
 
 

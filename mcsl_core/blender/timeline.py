@@ -14,9 +14,9 @@ from mcsl_core.delivery.audio import sound_key
 from mcsl_core.delivery.chunk_keys import Chunk, chunks_present, media_fingerprints
 from mcsl_core.delivery.conform import default_folder
 from mcsl_core.delivery.presets import Preset, preset_of
-from mcsl_core.delivery.source import sound_camera
 from mcsl_core.edl import NO_SOUND, Edl
 from mcsl_core.edl.edits import DECISIONS, rebased
+from mcsl_core.edl.resolve import sound_camera
 from mcsl_core.errors import InputError, UsageError
 from mcsl_core.hooks.registry import filler_of
 from mcsl_core.input_files import check_file
@@ -66,8 +66,8 @@ class TimelineSettings:
     def __attrs_post_init__(self) -> None:
         if self.audio not in (None, NO_SOUND):
             raise UsageError(
-                f"a timeline has the reference camera's sound or {NO_SOUND}, not that of {self.audio!r}",
-                remedy="Lay that camera's file beside it in Blender, or render with --audio",
+                f"a timeline has the sound that its EDL names or {NO_SOUND}, not that of {self.audio!r}",
+                remedy="Choose it in Blender (mcsl, Render, Sound), or set audio_from in the EDL",
             )
 
 
@@ -120,7 +120,7 @@ def build_timeline(
         built = run_task(how.blender, request, progress)
         output.keep_backup()
     if edl.removed:
-        progress.note(f"the timeline shows the whole programme, also what is removed; see mcsl remove {edl_path.name}")
+        progress.note("what is removed is marked on the timeline; rendered by Blender alone, it would be shown")
     for note in preview_notes(edl, edl_path.parent):
         progress.note(note)
     return attrs.evolve(built, blend=blend_path.resolve())

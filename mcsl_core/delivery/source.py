@@ -7,6 +7,7 @@ from pathlib import Path
 from attrs import field, frozen
 
 from mcsl_core.edl import NO_SOUND, Edl
+from mcsl_core.edl.resolve import sound_camera
 from mcsl_core.errors import UsageError
 from mcsl_core.filling.footprint import FootprintFiller
 from mcsl_core.filling.protocol import Filler
@@ -59,9 +60,3 @@ class ProgrammeSource:
     def sound_camera(self) -> str | None:
         """The camera whose sound the programme has, if any."""
         return sound_camera(self.edl, self.audio_from)
-
-
-def sound_camera(edl: Edl, wanted: str | None = None) -> str | None:
-    """The camera whose sound the programme has: the one that is wanted, else the EDL's, else the reference; or none."""
-    name = wanted or edl.audio_from or edl.reference
-    return None if name == NO_SOUND else name

@@ -16,6 +16,7 @@ from attrs import frozen
 
 from mcsl_core.timing import FrameRange, cut_points, merge_equal
 
+from .checks import NO_SOUND
 from .schema import CenteringKey, Edl
 
 # No more than this may the centering's speed change from one frame to the next, as a share of the picture's width: 0.77
@@ -224,3 +225,9 @@ def _hand(decision: Decision) -> bool:
 def _by_hand(centering: Centering) -> bool:
     on, offset = centering
     return on and offset is not None
+
+
+def sound_camera(edl: Edl, wanted: str | None = None) -> str | None:
+    """The camera whose sound the programme has: the one that is wanted, else the EDL's, else the reference; or none."""
+    name = wanted or edl.audio_from or edl.reference
+    return None if name == NO_SOUND else name

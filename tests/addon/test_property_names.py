@@ -49,6 +49,7 @@ SAVED = {  # in .blend files that editors have: never to be renamed
     "mcsl_see_through",
     "mcsl_silent",
     "mcsl_sound",
+    "mcsl_sound_from",
     "mcsl_surface",
     "mcsl_tag",
     "mcsl_tracks",

@@ -11,6 +11,7 @@ from . import (
     field,
     interchange,
     look,
+    microphone,
     preview,
     proxies,
     recording,
@@ -18,7 +19,20 @@ from . import (
     timeline,
 )
 
-_PARTS = (recording, analysis, timeline, angles, proxies, decisions, removal, look, field, delivery, interchange)
+_PARTS = (
+    recording,
+    analysis,
+    timeline,
+    angles,
+    proxies,
+    decisions,
+    removal,
+    look,
+    field,
+    microphone,
+    delivery,
+    interchange,
+)
 CLASSES = tuple(kind for part in _PARTS for kind in part.CLASSES)
 
 

@@ -5,8 +5,13 @@ from __future__ import annotations
 
 import bpy  # pyright: ignore[reportMissingImports]
 
+from mcsl_core.edl.checks import NO_SOUND
+from mcsl_core.errors import McslError
+
+from ...sequencer.compat import sequencer_scene
+from .. import refresh
 from ..operators.recording import work_of
-from ..translations.lookup import told
+from ..translations.lookup import shown, told
 from .drawing import TimelinePanel, draw_job, draw_message
 
 
@@ -21,6 +26,7 @@ class MCSL_PT_render(TimelinePanel, bpy.types.Panel):
         layout.use_property_decorate = False
         layout.prop(work, "preset")
         layout.prop(work, "video")
+        _draw_sound(layout, context)
         if context.window_manager.mcsl_state.outstanding_s > 0:
             layout.label(text="Conform first for exact pictures", icon="INFO")
         row = layout.row(align=True)
@@ -29,6 +35,20 @@ class MCSL_PT_render(TimelinePanel, bpy.types.Panel):
         if not draw_job(layout, told("Exporting")):
             layout.operator("mcsl.export", icon="EXPORT")
         draw_message(layout, told("Exporting"))
+
+
+def _draw_sound(layout, context) -> None:
+    """Whose sound the programme has; a click chooses another's."""
+    try:
+        heard = refresh.last(sequencer_scene(context)).audio_from
+    except McslError:
+        return
+    row = layout.split(factor=0.4)
+    side = row.row()
+    side.alignment = "RIGHT"
+    side.label(text="Sound")
+    text = {None: shown("Automatic"), NO_SOUND: shown("None")}.get(heard, heard)
+    row.operator_menu_enum("mcsl.sound_from", "source", text=text, icon="SPEAKER", translate=False)
 
 
 CLASSES = (MCSL_PT_render,)

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import wave
 
+import attrs
 import av
 import numpy as np
 import pytest
-from blender_recording import FRAMES, RATE, in_blender
+from blender_recording import FRAMES, RATE, SWITCH_ON, in_blender
 from notes import Notes
 
+from mcsl_core import edl as edls
 from mcsl_core.blender.child import run_task
 from mcsl_core.blender.messages import RefreshRequest
 from mcsl_core.blender.render import render
+from mcsl_core.blender.timeline import build_timeline, pull_overrides
 
 pytestmark = pytest.mark.both_blenders
 
@@ -217,3 +220,50 @@ def test_a_new_timeline_is_scrubbed_by_ear_and_what_the_editor_switches_off_stay
     assert not scrub
     assert shown
     assert not any(shown)
+
+
+CHOOSE = (
+    SWITCH_ON
+    + """
+    from blender_addon.ui.operators.timeline import pull
+    def heard(): return sorted(
+        [*span(s), bpy.path.basename(s.sound.filepath), s.mute] for s in strips if s.type == "SOUND")
+    def choose(source):
+        assert bpy.ops.mcsl.sound_from(source=source) == {"FINISHED"}
+        return [heard(), pull(scene)[0].audio_from]
+"""
+)
+
+
+def test_another_cameras_sound_is_chosen_and_taken_back(built, blender):
+    code = CHOOSE + '\n    out = [choose(s) for s in ("CAMERA cam2", "NONE", "CAMERA cam2", "AUTOMATIC")]'
+    second = [[[3, FRAMES, "cam2.mp4", False]], "cam2"]
+    first = [[[0, 40, "cam1_a.mp4", False], [40, FRAMES, "cam1_b.mp4", False]], None]
+    assert in_blender(blender, built, code) == [second, [[], "none"], second, first]
+
+
+def test_what_was_muted_stays_mute_when_another_sound_is_chosen(built, blender):
+    code = (
+        CHOOSE
+        + """
+    strip = at(1, 10)
+    middle = strip.split(frame=10 + 1, split_method="SOFT")
+    middle.split(frame=20 + 1, split_method="SOFT")
+    middle.mute = True
+    choose("CAMERA cam2")
+    out = heard()
+    """
+    )
+    found = in_blender(blender, built, code)
+    assert {name for _, _, name, _ in found} == {"cam2.mp4"}
+    mute = {n for start, stop, _, silent in found if silent for n in range(start, stop)}
+    assert mute == set(range(10, 20))
+
+
+def test_the_edls_choice_is_laid(built, blender):
+    path = built.parent / "edl.json"
+    edls.save(attrs.evolve(edls.load(path), audio_from="cam2"), path)
+    build_timeline(path, built, blender=blender, force=True)
+    code = CHOOSE + "\n    out = heard()"
+    assert in_blender(blender, built, code, save=False) == [[3, FRAMES, "cam2.mp4", False]]
+    assert pull_overrides(built, blender=blender).audio_from == "cam2"
