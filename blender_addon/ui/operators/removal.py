@@ -24,7 +24,7 @@ from ..translations.lookup import told
 
 
 class MCSL_OT_remove(bpy.types.Operator):
-    """Leave out of the delivered video what the preview range spans (P); without one the selected shots, or the one at the playhead"""  # noqa: E501 - Blender shows it as it stands
+    """Leave the preview range (P) out of the video; without one the selected shots, or the one at the playhead"""
 
     bl_idname = "mcsl.remove"
     bl_label = "Remove"
@@ -56,7 +56,7 @@ class MCSL_OT_remove(bpy.types.Operator):
 
 
 class MCSL_OT_bring_back(bpy.types.Operator):
-    """Deliver again what was removed: of the preview range (P); without one of the selected shots, or of the one at the playhead"""  # noqa: E501 - Blender shows it as it stands
+    """Deliver again what was removed of the preview range (P), or of the selected shots, or at the playhead"""
 
     bl_idname = "mcsl.bring_back"
     bl_label = "Bring Back"

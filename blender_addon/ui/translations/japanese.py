@@ -82,6 +82,33 @@ JAPANESE: dict[str, str] = {
     "There is no such cut": "該当するカットはありません",
     "{count} cuts taken away": "カットを {count} 個取り除きました",
     "{count} shots under {frames} frames": "{frames} フレーム未満のショットが {count} 個あります",
+    "Remove": "取り除く",
+    "Bring Back": "元に戻す",
+    "Leave the preview range (P) out of the video; without one the selected shots, or the one at the playhead": (
+        "プレビュー範囲 (P) を完成映像から除きます。範囲がなければ選択中か再生ヘッドのショットです"
+    ),
+    "Deliver again what was removed of the preview range (P), or of the selected shots, or at the playhead": (
+        "プレビュー範囲 (P)、選択中か再生ヘッドのショットから取り除いた部分を戻します"
+    ),
+    "That is removed already": "すでに取り除かれています",
+    "{seconds} removed from the delivery": "{seconds} を完成映像から取り除きました",
+    "Nothing is removed there": "そこから取り除かれたものはありません",
+    "{seconds} delivered again": "{seconds} を完成映像に戻しました",
+    "no frame of the programme is chosen": "本編のフレームが選ばれていません",
+    "Set a preview range (P), select shots, or move the playhead": (
+        "プレビュー範囲を設定 (P) するか、ショットを選択するか、再生ヘッドを動かしてください"
+    ),
+    "Removed: {seconds} in {count} places": "取り除いた部分: {count} か所、{seconds}",
+    "Sound": "音声",
+    "Automatic": "自動",
+    "None": "なし",
+    "The reference camera's": "基準カメラの音声",
+    "This camera's microphone, in time with the pictures": "このカメラのマイクの音声を映像に合わせて使います",
+    "A silent programme": "音声のない本編",
+    "Whose sound the programme has": "本編に使う音声",
+    "Choose the camera whose sound the programme has; sound that you changed yourself keeps your changes": (
+        "本編に使う音声のカメラを選びます。手を加えた音声の変更はそのまま残ります"
+    ),
     "Angles": "アングル",
     "Show all cameras at once beside the programme, the chosen one framed; again: the programme alone": (
         "すべてのカメラを本編の横に並べ、選ばれたカメラを枠で示します。もう一度押すと本編だけに戻ります"
