@@ -12,19 +12,20 @@ import bpy  # pyright: ignore[reportMissingImports]
 
 from mcsl_core.edl import Edl
 from mcsl_core.errors import McslError
-from mcsl_core.timing import joined
+from mcsl_core.timing import FrameRange, joined
 
 from ..core import times
 from ..core.field import remarks_on_drawing
 from ..core.outside import remark_on
 from ..core.read_overrides import SequencerState
-from ..core.stale import touching
+from ..core.stale import touching, without
 from ..core.strip_plan import FIRST_CAMERA_CHANNEL
 from .compat import ends, strips_of
 from .conformed import conformed_strips
 from .scene_properties import CAMERA, edl_path, placed_of, role_of
 from .touched import Work
 
+_NAMED = 3  # stretches without a shot
 _SEEN = ("mute", "name", "color_tag", "effect strip", "lock")  # changes no picture
 
 
@@ -40,8 +41,21 @@ def notices(scene: Any, edl: Edl, state: SequencerState) -> tuple[str, ...]:
     state
         The timeline as read.
     """
-    said = (*state.notes, *times.remarks(edl, state.scene, state.films), *_of_strips(scene, edl))
+    said = (*state.notes, *times.remarks(edl, state.scene, state.films), *_of_gaps(edl, state), *_of_strips(scene, edl))
     return (*said, *remarks_on_drawing(edl, state.drawing), *_of_files(scene, edl))
+
+
+def _of_gaps(edl: Edl, state: SequencerState) -> Iterator[str]:
+    """Where no shot lies: the video has the analysis' camera there, but the preview cannot know it."""
+    there = [FrameRange(max(s.start, 0), s.stop) for s in state.strips if not s.muted and s.stop > max(s.start, 0)]
+    gaps = without([FrameRange(0, edl.frames)], there)
+    for gap in gaps[:_NAMED]:
+        yield (
+            f"frames {gap.start + 1} to {gap.stop} have no shot: the video shows what the analysis chose, the preview "
+            "another camera; Revert to Automatic lays the shot again"
+        )
+    if len(gaps) > _NAMED:
+        yield f"and {len(gaps) - _NAMED} more stretches have no shot"
 
 
 def _of_files(scene: Any, edl: Edl) -> Iterator[str]:

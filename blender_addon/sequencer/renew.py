@@ -20,7 +20,7 @@ from . import conformed
 from .build import build_camera, deselect, lay_centering, lay_shot, name_channel, set_shot
 from .camera_keys import follow_movements, place_camera
 from .centering_keys import set_centering_keys
-from .compat import ends, set_ends
+from .compat import ends, set_ends, strips_of
 from .edit import HIGHEST_CHANNEL, effect_inputs, remove, split_at
 from .films import link_film
 from .marks import lay_marks
@@ -75,6 +75,21 @@ def rebuild_timeline(scene: Any, plan: StripPlan, base: Path, *, exact: bool = F
     lay_marks(scene, plan.removed)
     deselect(scene)
     return notes
+
+
+def lay_missing(scene: Any, plan: StripPlan, piece: FrameRange) -> None:
+    """Programme strips over what of ``piece`` has none any more, where the preview shows what nobody chose."""
+    there = [ends(strip) for strip in strips_of(scene, "MULTICAM")]
+    for span, place in _shots_without(plan, there):
+        if part := span.intersection(piece):
+            number, shot = place.value
+            lay_shot(scene, number, shot, plan.programme_channel, part)
+    deselect(scene)
+
+
+def _shots_without(plan: StripPlan, spans: Iterable[tuple[int, int]]) -> Iterable[tuple[FrameRange, Place]]:
+    """The shots, numbered, over what no span covers."""
+    return uncovered([Place(shot.range, value=(number, shot)) for number, shot in enumerate(plan.programme, 1)], spans)
 
 
 def _make_room(scene: Any, plan: StripPlan, was: int) -> list[str]:
@@ -163,7 +178,7 @@ def _programme(scene: Any, plan: StripPlan, kept: Sequence[Any]) -> None:
             if not his_name:
                 part.name = part[GIVEN_NAME] = strip_name(number, shot.camera, shot.key)
             set_shot(part, shot)
-    for span, place in uncovered(places, spans):
+    for span, place in _shots_without(plan, spans):
         number, shot = place.value
         lay_shot(scene, number, shot, plan.programme_channel, span)
 

@@ -13,10 +13,12 @@ from mcsl_core.timing import FrameRange
 
 from ...core import multicam, shot_list
 from ...core.revert import revert
+from ...core.strip_plan import make_plan
 from ...sequencer import scene_properties
 from ...sequencer.compat import sequencer_scene, strips_of
 from ...sequencer.edit import apply_settings, join
 from ...sequencer.read import read_timeline
+from ...sequencer.renew import lay_missing
 from ...sequencer.touched import Work
 from .. import refresh
 from ..translations.lookup import told
@@ -158,6 +160,7 @@ class MCSL_OT_revert(bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         apply_settings(scene, settings, original.look)
+        lay_missing(scene, make_plan(refresh.decided(scene)), piece)
         refresh.refresh_timeline(scene)
         left = sum(row.overridden for row in refresh.rows())
         self.report({"INFO"}, told("automatic again; {count} overrides left").format(count=left))

@@ -66,3 +66,19 @@ def test_nothing_is_moved_by_mistake(built, blender):
     locked, selected = in_blender(blender, built, SWITCH_ON + code)
     assert sorted(locked) == ["Centering", "Conformed"]
     assert selected == ["mine"]
+
+
+def test_a_deleted_shot_is_told_and_laid_again(built, blender):
+    """The video has the analysis' camera there; the preview, with nothing to go by, the topmost one."""
+    code = """
+    before = shots()
+    scene.sequence_editor.strips.remove(at(5, 25))
+    refresh.refresh_timeline(scene)
+    told = state.notices
+    scene.frame_set(30 + 1)
+    done = bpy.ops.mcsl.revert() == {"FINISHED"}
+    out = [told, done, shots() == before, "no shot" in state.notices, at(5, 25).name]
+    """
+    told, done, restored, still, name = in_blender(blender, built, SWITCH_ON + LEFT + code)
+    assert "frames 21 to 40 have no shot" in told
+    assert (done, restored, still, name) == (True, True, False, "2: cam2 [2]")
