@@ -11,12 +11,11 @@ from typing import Any
 import bpy  # pyright: ignore[reportMissingImports]
 import numpy as np
 
+from mcsl_core.fades import FADE_FRAMES, gain
 from mcsl_core.timing import FrameRange
 
 from .compat import set_content_start, set_ends
 from .scene_properties import DELIVERED, MARK
-
-_FADE = 2  # frames on each side of a seam, as in delivery/audio.py
 
 
 def delivered_scene(scene: Any, pieces: Sequence[FrameRange], folder: Path, *, sound: bool) -> Any:
@@ -74,14 +73,11 @@ def _close_up(source: Path, pieces: Sequence[FrameRange], rate: float, path: Pat
             count = round(frames * a_frame) - given
             given += count
             whole.setpos(min(round(piece.start * a_frame), whole.getnframes()))
-            fade = max(1, min(round(_FADE * a_frame), count // 2))
+            seams = {"rises": number > 0, "falls": number < len(pieces) - 1}
             for at in range(0, count, whole.getframerate()):  # by the second: a piece may last for hours
-                index = np.arange(at, min(at + whole.getframerate(), count)) + 0.5
-                sound = np.zeros((len(index), channels))
-                read = np.frombuffer(whole.readframes(len(index)), "<i2").reshape(-1, channels)
+                length = min(whole.getframerate(), count - at)
+                sound = np.zeros((length, channels))
+                read = np.frombuffer(whole.readframes(length), "<i2").reshape(-1, channels)
                 sound[: len(read)] = read
-                if number > 0:
-                    sound *= np.minimum(1, index / fade)[:, None]
-                if number < len(pieces) - 1:
-                    sound *= np.minimum(1, (count - index) / fade)[:, None]
+                sound *= gain(at, length, count, round(FADE_FRAMES * a_frame), **seams)[:, None]
                 out.writeframes(np.round(sound).astype("<i2").tobytes())

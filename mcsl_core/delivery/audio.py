@@ -20,13 +20,13 @@ from numpy.typing import NDArray
 from mcsl_core.code_keys import SOUND
 from mcsl_core.edl import Edl
 from mcsl_core.errors import writing
+from mcsl_core.fades import FADE_FRAMES, gain
 from mcsl_core.progress import Progress
 from mcsl_core.recording.footage import Footage
 from mcsl_core.temporary import open_private, temporary_beside
 from mcsl_core.timing import FrameRange
 
 AUDIO_RATE = 48000
-FADE_FRAMES = 2  # on each side of where frames are removed: a cut in the middle of a tone clicks
 
 
 def sound_key(edl: Edl, camera: str, content: list[str]) -> str:
@@ -63,22 +63,11 @@ def delivered_sound(
         count = round(Fraction(frames) / edl.rate * AUDIO_RATE) - given
         given += count
         first = round(Fraction(piece.start) / edl.rate * AUDIO_RATE)
-        fade = min(round(FADE_FRAMES / edl.rate * AUDIO_RATE), count // 2)
+        fade = round(FADE_FRAMES / edl.rate * AUDIO_RATE)
         at, start_s, stop_s = 0, Fraction(first, AUDIO_RATE), Fraction(first + count, AUDIO_RATE)
         for block in footage.audio_blocks(camera, start_s, stop_s, AUDIO_RATE, block_s=block_s):
-            if number > 0:
-                block = _faded(block, at, fade)
-            if number < last:
-                block = _faded(block[::-1], count - at - len(block), fade)[::-1]
+            yield block * gain(at, len(block), count, fade, rises=number > 0, falls=number < last)
             at += len(block)
-            yield block
-
-
-def _faded(block: NDArray[np.float32], at: int, fade: int) -> NDArray[np.float32]:
-    """A block that lies ``at`` samples after the beginning of a fade from silence that lasts ``fade`` samples."""
-    if at >= fade:
-        return block
-    return block * np.clip((np.arange(at, at + len(block)) + 0.5) / fade, 0, 1).astype(np.float32)
 
 
 def is_audible(footage: Footage, camera: str | None, progress: Progress) -> bool:

@@ -11,6 +11,8 @@ desk      its buttons build the timeline, switch cameras and write the overrides
 conform   this machine's mcsl makes the exact pictures and puts them in place
 render    `blender -b edit.blend -a`; the video is compared with `--engine direct`, frame by frame
 window    the window opens under Xvfb: real keys cut and undo, a nudge is pulled; pictures are taken
+first     a new file in the window, the timeline built into it: what is seen before anything is touched
+editing   angles, a cut while it plays, locked tracks, the microphone, a range removed and the rest rendered there
 
 It says what it found and ends with 1 where something is not as it should be. Before TREE is deleted nothing may be
 mounted in it (`mount | grep TREE`); this script unmounts what it mounts, also when it fails.
@@ -26,6 +28,7 @@ import subprocess
 import sys
 import sysconfig
 from pathlib import Path
+from typing import Any
 
 import av
 import numpy as np
@@ -39,7 +42,7 @@ from pictures import psnr
 from mcsl_core import edl as edls
 
 ROOT = Path(__file__).resolve().parents[2]
-STEPS = ("install", "desk", "conform", "render", "window")
+STEPS = ("install", "desk", "conform", "render", "window", "first", "editing")
 MCSL = Path(sys.executable).with_name("mcsl")
 LEAST_DB = 38.0  # two engines' delivery at CRF 17 add up to 39 dB; a frame off comes out below 32: see test_render.py
 SCREEN = (1920, 1080)
@@ -135,15 +138,21 @@ def compare(rendered: Path, direct: Path, frames: int) -> None:
     assert min(figures) >= LEAST_DB
 
 
-def window(desk: Desk) -> None:
+def at_the_window(desk: Desk, name: str, *start: str) -> dict[str, Any]:
+    """One of the pieces of work beside this file, done in Blender's window; what was seen there."""
     script = str(Path(__file__).with_name("window.py"))
     screen = f"-screen 0 {SCREEN[0]}x{SCREEN[1]}x24"
     blender = ["blender", "--gpu-backend", "opengl", "--window-geometry", "0", "0", *map(str, SCREEN)]
     out = desk.work / "pictures"
-    desk.inside("xvfb-run", "-a", "-s", screen, *blender, str(desk.blend), "-P", script, "--", str(out), within_s=900)
-    found = json.loads((out / "window.json").read_text())
+    desk.inside("xvfb-run", "-a", "-s", screen, *blender, *start, "-P", script, "--", str(out), name, within_s=1800)
+    found = json.loads((out / f"{name}.json").read_text())
     assert "error" not in found, found["error"]
     assert found["wrong"] == [], found["wrong"]
+    return found
+
+
+def window(desk: Desk) -> None:
+    found = at_the_window(desk, "work", str(desk.blend))
     [correction] = edls.load(desk.edl).corrections
     assert correction.camera == found["nudged"][0]
     moved = [round(correction.matrix[row][2], 2) for row in (0, 1)]
@@ -154,6 +163,21 @@ def window(desk: Desk) -> None:
     print(f"of {correction.camera} came back as {moved} px over {correction.range}")
 
 
+def first(desk: Desk) -> None:
+    found = at_the_window(desk, "first", "--app-template", "Video_Editing")
+    print(f"a new file: tab open, {found['frames']} frames framed, nothing selected")
+
+
+def editing(desk: Desk) -> None:
+    found = at_the_window(desk, "editing", str(desk.blend))
+    with av.open(str(desk.work / "tmp" / "window.mp4")) as video:
+        frames = sum(1 for _ in video.decode(video=0))
+    assert frames == found["delivered"], (frames, found["delivered"])
+    print(
+        f"angles, a cut while it played, locked tracks, microphone; {frames} frames delivered without {found['range']}"
+    )
+
+
 def pictures(desk: Desk, target: Path) -> None:
     """As JPEG for the docs, small enough to be read over a slow line."""
     for path in sorted((desk.work / "pictures").glob("*.png")):
@@ -161,6 +185,9 @@ def pictures(desk: Desk, target: Path) -> None:
         desk.inside("convert", str(path), "-quality", "80", str(desk.work / "tmp" / to.name))
         shutil.move(desk.work / "tmp" / to.name, to)
         print(f"{to}: {to.stat().st_size // 1024} KB")
+
+
+TASKS = dict(zip(STEPS, (install, make_desk, conform, render, window, first, editing), strict=True))
 
 
 def main() -> None:
@@ -192,7 +219,7 @@ def main() -> None:
                 shutil.copytree(given.project, desk.project, ignore=shutil.ignore_patterns("*.cache", "*.conformed"))
         for step in given.steps.split(","):
             print(f"--- {step}", flush=True)
-            {"install": install, "desk": make_desk, "conform": conform, "render": render, "window": window}[step](desk)
+            TASKS[step](desk)
         if given.pictures is not None:
             pictures(desk, given.pictures.resolve())
 

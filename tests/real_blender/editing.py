@@ -1,0 +1,151 @@
+"""An editor at work: angles, a cut while it plays, what must not move, another microphone, idle time left out."""
+
+import bpy
+from hands import OUT, area, check, go, hand, picture, point, press_button, scene, seen, shots, strips
+
+
+def previews():
+    screen = bpy.context.window_manager.windows[0].screen
+    return [a for a in screen.areas if a.type == "SEQUENCE_EDITOR" and a.spaces.active.view_type == "PREVIEW"]
+
+
+def longest():
+    return max(shots(), key=lambda s: s[1] - s[0])
+
+
+# ----------------------------------------------------------------------------------------------------------- angles
+
+
+def angles():
+    check("one preview", len(previews()), 1)
+    start, stop, *_ = longest()
+    go((start + stop) // 2)
+    press_button("mcsl.angles")
+
+
+def angles_shown():
+    cameras = {s.channel for s in scene().sequence_editor.strips if s.get("mcsl") == "camera"}
+    if len(previews()) < 1 + len(cameras):
+        return True  # they come one after another
+    shown = sorted(a.spaces.active.display_channel for a in previews())
+    check("a preview for the programme and each camera", shown, sorted([0, *cameras]))
+    picture("angles")
+    press_button("mcsl.angles")
+    return None
+
+
+def angles_gone():
+    return len(previews()) > 1
+
+
+# ---------------------------------------------------------------------------------------------- a cut while it plays
+
+
+def play():
+    start, stop, *_ = longest()
+    seen["cuts"] = len(shots())
+    go(start + (stop - start) // 8)
+    hand("key", "space")
+
+
+def cut():
+    check("it plays", bpy.context.window_manager.windows[0].screen.is_animation_playing, True)
+    start, stop, source, _ = next(s for s in shots() if s[0] < scene().frame_current <= s[1])
+    seen["playing"] = [start, stop, source]
+    for key in (1, 2):  # one of them is shown already
+        hand("key", key)
+
+
+def stop():
+    hand("key", "space")
+
+
+def cut_there():
+    check("it stopped", bpy.context.window_manager.windows[0].screen.is_animation_playing, False)
+    check("cut while it played", len(shots()) > seen["cuts"], True)
+
+
+# ---------------------------------------------------------------------------------------------- what must not move
+
+
+def grab():
+    """All is selected and moved, as by an editor who means a title of his own."""
+    editor = scene().sequence_editor
+    seen["tracks"] = [strips("centering"), strips("conformed")]
+    for strip in editor.strips:
+        strip.select = strip.get("mcsl") in ("centering", "conformed")
+    point(area()[2]["WINDOW"], 0.5, 0.5)
+    hand("key", "g")
+
+
+def drop():
+    hand("type", "30")
+    hand("key", "Return")
+
+
+def stayed():
+    check("locked tracks stay where they are", [strips("centering"), strips("conformed")], seen["tracks"])
+
+
+# ------------------------------------------------------------------------------------------------ sound, and remove
+
+
+def microphone():
+    cameras = [s["mcsl_camera"] for s in scene().sequence_editor.strips if s.get("mcsl") == "camera"]
+    other = sorted(set(cameras))[-1]
+    press_button("mcsl.sound_from", source=f"CAMERA {other}")
+    names = [bpy.path.basename(s.sound.filepath) for s in scene().sequence_editor.strips if s.get("mcsl") == "sound"]
+    check("its file is heard", [other in name for name in names], [True])
+    press_button("mcsl.sound_from", source="AUTOMATIC")
+
+
+def remove():
+    """The preview range by its own key: P, and a box dragged over the middle of the timeline."""
+    region = area()[2]["WINDOW"]
+    point(region, 0.4, 0.5)
+    hand("key", "p")
+    hand("mousedown", 1)
+    for part in (0.45, 0.5, 0.55):
+        point(region, part, 0.6)
+    hand("mouseup", 1)
+
+
+def removed():
+    check("a preview range", scene().use_preview_range, True)
+    seen["range"] = [scene().frame_preview_start - 1, scene().frame_preview_end]
+    press_button("mcsl.remove")
+    check("a mark lies over it", strips("removed"), [seen["range"]])
+    scene().use_preview_range = False
+    go(sum(seen["range"]) // 2)
+
+
+def render():
+    picture("remove")
+    scene().mcsl_work.preset = "review"
+    scene().mcsl_work.video = str(OUT.parent / "tmp" / "window.mp4")
+    press_button("mcsl.render")
+    seen["delivered"] = scene().frame_end - (seen["range"][1] - seen["range"][0])
+
+
+def rendered():
+    if bpy.app.is_job_running("RENDER") or not (OUT.parent / "tmp" / "window.mp4").is_file():
+        return True
+    if len(bpy.data.scenes) > 1:
+        return True  # it goes a moment later
+    return None
+
+
+def back():
+    scene().use_preview_range = True
+    scene().frame_preview_start, scene().frame_preview_end = seen["range"][0] + 1, seen["range"][1]
+    press_button("mcsl.bring_back")
+    scene().use_preview_range = False
+    check("no mark is left", strips("removed"), [])
+
+
+STEPS = [
+    *(lambda: None, angles, angles_shown, angles_gone),
+    *(play, cut, stop, cut_there),
+    *(grab, drop, stayed),
+    *(microphone, remove, removed, lambda: None, render, rendered, back),
+]
