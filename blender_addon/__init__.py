@@ -15,6 +15,7 @@ _MODULES = (
     "ui.operators.multicam",
     "ui.panels",
     "ui.refresh",
+    "ui.angle_marks",
     "ui.override_marks",
     "ui.render_guard",
 )

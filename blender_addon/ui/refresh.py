@@ -24,6 +24,7 @@ from mcsl_core.errors import McslError
 from mcsl_core.timing import FrameRange
 
 from ..core import identity, multicam, shot_list
+from ..core.corrections import FoundCamera
 from ..core.moving import followed_ranges
 from ..core.read_overrides import FoundStrip, SequencerState, read_edl
 from ..core.strip_plan import camera_tracks, centred, key_numbers, offset_keys
@@ -75,6 +76,12 @@ def last(scene: Any) -> Edl:
         source = scene_properties.edl_of(scene)
         _last[scene.name] = _Refreshed(read_edl(source, read_timeline(scene)), source)
     return _last[scene.name].edl
+
+
+def cameras(scene: Any) -> tuple[FoundCamera, ...]:
+    """Where the cameras' strips lie, as `last`; none where the timeline could not be read."""
+    found = _last.get(scene.name)
+    return found.state.cameras if found is not None and found.state is not None else ()
 
 
 def refresh_timeline(scene: Any) -> str:

@@ -39,11 +39,9 @@ CLASSES = tuple(kind for part in _PARTS for kind in part.CLASSES)
 def register() -> None:
     for kind in CLASSES:
         bpy.utils.register_class(kind)
-    angles.register()
 
 
 def unregister() -> None:
     preview.remove_lines()
-    angles.unregister()
     for kind in reversed(CLASSES):
         bpy.utils.unregister_class(kind)

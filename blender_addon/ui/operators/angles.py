@@ -6,31 +6,16 @@ An angle is a preview of a camera's channel. Nothing is remembered: a saved wind
 
 from typing import ClassVar
 
-import blf  # pyright: ignore[reportMissingImports]
 import bpy  # pyright: ignore[reportMissingImports]
-import gpu  # pyright: ignore[reportMissingImports]
-from gpu_extras.batch import batch_for_shader  # pyright: ignore[reportMissingImports]
-
-from mcsl_core.errors import McslError
 
 from ...core.angles import rows_of
 from ...sequencer import scene_properties
 from ...sequencer.compat import sequencer_scene
-from .. import refresh
+from ..angle_marks import camera_channels, names_of
 
 EDGE_PX = 8  # between two areas
 STEP_S = 0.02  # until an area that was made is drawn
 PROGRAMME_PART = 0.6  # of the preview's width stays the programme's
-CHOSEN, OTHER = (0.95, 0.55, 0.1, 1.0), (0.9, 0.9, 0.9, 1.0)
-FRAME_PX, LETTERS_PX = 4, 14  # at a scale of 1
-_drawn = []
-
-
-def camera_channels(scene) -> dict[int, str]:
-    """The channels that hold cameras' strips, with the cameras' names."""
-    strips = scene.sequence_editor.strips
-    found = {s.channel: s.get(scene_properties.CAMERA) for s in strips if scene_properties.role_of(s) == "camera"}
-    return {channel: name for channel, name in sorted(found.items()) if isinstance(name, str)}
 
 
 def _previews(screen):
@@ -139,65 +124,8 @@ def _split(window, area, direction: str, part: float):
 
 def _in_order(scene, channels) -> list[int]:
     """The channels in the order of the cameras' keys."""
-    names = _names(scene)
+    names = names_of(scene)
     return sorted(channels, key=lambda c: (names.index(channels[c]) if channels[c] in names else len(names), c))
 
 
-def _names(scene) -> list[str]:
-    try:
-        return scene_properties.camera_names(scene)
-    except McslError:
-        return []
-
-
-def _draw() -> None:
-    """Over an angle: the camera's key and name, and a frame where it is the programme's."""
-    context = bpy.context
-    scene, region = sequencer_scene(context), context.region
-    channel = context.space_data.display_channel
-    if not channel or not scene_properties.has_timeline(scene) or (name := camera_channels(scene).get(channel)) is None:
-        return
-    at, scale = scene.frame_current - 1, context.preferences.system.ui_scale
-    chosen = any(name == row.camera for row in refresh.listed() if at in row.range)
-    colour, names = CHOSEN if chosen else OTHER, _names(scene)
-    if chosen:
-        _frame(region.width, region.height, round(FRAME_PX * scale), colour)
-    text = f"{names.index(name) + 1}  {name}" if name in names else name
-    left, bottom, pad = 12 * scale, 12 * scale, 6 * scale
-    blf.size(0, LETTERS_PX * scale)
-    width, height = blf.dimensions(0, text)
-    _boxes([(left - pad, bottom - pad, left + width + pad, bottom + height + pad)], (0.0, 0.0, 0.0, 0.65))
-    blf.color(0, *colour)
-    blf.position(0, left, bottom, 0)
-    blf.draw(0, text)
-
-
-def _frame(width: int, height: int, thick: int, colour) -> None:
-    sides = ((0, 0, width, thick), (0, height - thick, width, height), (0, 0, thick, height))
-    _boxes([*sides, (width - thick, 0, width, height)], colour)
-
-
-def _boxes(boxes, colour) -> None:
-    """Filled rectangles (left, bottom, right, top) in pixels of the region."""
-    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
-    places = [p for a, b, c, d in boxes for p in ((a, b), (c, b), (c, d), (a, b), (c, d), (a, d))]
-    batch = batch_for_shader(shader, "TRIS", {"pos": places})
-    gpu.state.blend_set("ALPHA")
-    shader.bind()
-    shader.uniform_float("color", colour)
-    batch.draw(shader)
-    gpu.state.blend_set("NONE")
-
-
 CLASSES = (MCSL_OT_angles,)
-
-
-def register() -> None:
-    """Angles are marked wherever a preview shows a camera's channel; without a window nothing is drawn."""
-    if not bpy.app.background:
-        _drawn.append(bpy.types.SpaceSequenceEditor.draw_handler_add(_draw, (), "PREVIEW", "POST_PIXEL"))
-
-
-def unregister() -> None:
-    while _drawn:
-        bpy.types.SpaceSequenceEditor.draw_handler_remove(_drawn.pop(), "PREVIEW")

@@ -12,9 +12,10 @@ def test_without_a_window_it_does_not_answer_and_knows_the_cameras(built, blende
     code = (
         ON
         + """
+    from blender_addon.ui import angle_marks
     from blender_addon.ui.operators import angles
     refresh.refresh_timeline(scene)
-    channels = angles.camera_channels(scene)
+    channels = angle_marks.camera_channels(scene)
     out = [bpy.ops.mcsl.angles.poll(), channels, [channels[c] for c in angles._in_order(scene, channels)]]
     """
     )
