@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import time
 import wave
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,11 +12,14 @@ from typing import Any
 import bpy  # pyright: ignore[reportMissingImports]
 import numpy as np
 
+from mcsl_core.errors import BlenderError
 from mcsl_core.fades import FADE_FRAMES, gain
 from mcsl_core.timing import FrameRange
 
 from .compat import set_content_start, set_ends
 from .scene_properties import DELIVERED, MARK
+
+_PATIENCE_S = 60  # without a sample more
 
 
 def delivered_scene(scene: Any, pieces: Sequence[FrameRange], folder: Path, *, sound: bool) -> Any:
@@ -56,10 +60,28 @@ def drop_delivered() -> None:
 
 
 def _mixed(scene: Any, path: Path) -> Path:
-    """All that is heard of a scene, as a file."""
+    """All that is heard of a scene, as a file. BlenderError where it does not come."""
     with bpy.context.temp_override(scene=scene):
         bpy.ops.sound.mixdown(filepath=str(path), container="WAV", codec="PCM", format="S16", accuracy=1024)
+    size, since = -1, time.monotonic()  # from 5.2 on it is mixed in the background, whatever is returned
+    while not _is_whole(path):
+        now = path.stat().st_size if path.is_file() else -1
+        if now != size:
+            size, since = now, time.monotonic()
+        elif time.monotonic() - since > _PATIENCE_S:
+            raise BlenderError("Blender did not mix the sound", where=str(path), remedy="See whether the disk is full")
+        time.sleep(0.05)
     return path
+
+
+def _is_whole(path: Path) -> bool:
+    """Whether a WAV file has all that its header promises, which is written last; until then that is 4 GiB."""
+    try:
+        with wave.open(str(path)) as sound:
+            promised = sound.getnframes() * sound.getnchannels() * sound.getsampwidth()
+    except (OSError, EOFError, wave.Error):
+        return False
+    return 0 < promised <= path.stat().st_size
 
 
 def _close_up(source: Path, pieces: Sequence[FrameRange], rate: float, path: Path) -> None:

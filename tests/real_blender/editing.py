@@ -9,6 +9,13 @@ def previews():
     return [a for a in screen.areas if a.type == "SEQUENCE_EDITOR" and a.spaces.active.view_type == "PREVIEW"]
 
 
+def frame():
+    """All of the timeline in view."""
+    window, timeline, regions = area()
+    with bpy.context.temp_override(window=window, area=timeline, region=regions["WINDOW"]):
+        bpy.ops.sequencer.view_all()
+
+
 def longest():
     return max(shots(), key=lambda s: s[1] - s[0])
 
@@ -25,13 +32,13 @@ def angles():
 
 def angles_shown():
     cameras = {s.channel for s in scene().sequence_editor.strips if s.get("mcsl") == "camera"}
-    if len(previews()) < 1 + len(cameras):
-        return True  # they come one after another
     shown = sorted(a.spaces.active.display_channel for a in previews())
-    check("a preview for the programme and each camera", shown, sorted([0, *cameras]))
+    return shown != sorted([0, *cameras])  # they come one after another
+
+
+def angles_away():
     picture("angles")
     press_button("mcsl.angles")
-    return None
 
 
 def angles_gone():
@@ -117,6 +124,7 @@ def removed():
     check("a mark lies over it", strips("removed"), [seen["range"]])
     scene().use_preview_range = False
     go(sum(seen["range"]) // 2)
+    frame()
 
 
 def render():
@@ -144,7 +152,7 @@ def back():
 
 
 STEPS = [
-    *(lambda: None, angles, angles_shown, angles_gone),
+    *(frame, angles, angles_shown, lambda: None, angles_away, angles_gone),
     *(play, cut, stop, cut_there),
     *(grab, drop, stayed),
     *(microphone, remove, removed, lambda: None, render, rendered, back),

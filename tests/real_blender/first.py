@@ -4,6 +4,11 @@ import bpy
 from hands import OUT, area, check, picture, press_button, seen, strips
 
 
+def new():
+    """File > New > Video Editing."""
+    bpy.ops.wm.read_homefile(app_template="Video_Editing", use_factory_startup=False)
+
+
 def build():
     window = bpy.context.window_manager.windows[0]
     bpy.ops.wm.save_as_mainfile(filepath=str(OUT.parent / "tmp" / "first.blend"))
@@ -27,4 +32,4 @@ def look():
     picture("first")
 
 
-STEPS = [lambda: None, build, lambda: None, lambda: None, look]
+STEPS = [new, lambda: None, build, lambda: None, lambda: None, look]

@@ -164,7 +164,7 @@ def window(desk: Desk) -> None:
 
 
 def first(desk: Desk) -> None:
-    found = at_the_window(desk, "first", "--app-template", "Video_Editing")
+    found = at_the_window(desk, "first")
     print(f"a new file: tab open, {found['frames']} frames framed, nothing selected")
 
 

@@ -35,7 +35,7 @@ def run(index=0, tries=0):
         sys.stdout.flush()
         os._exit(1)
     following = (index, tries + 1) if again else (index + 1, 0)
-    bpy.app.timers.register(lambda: run(*following), first_interval=WAIT_S)
+    bpy.app.timers.register(lambda: run(*following), first_interval=WAIT_S, persistent=True)
 
 
-bpy.app.timers.register(run, first_interval=WAIT_S)
+bpy.app.timers.register(run, first_interval=WAIT_S, persistent=True)
