@@ -18,7 +18,7 @@ from .compat import ends, new_effect, set_ends
 from .edit import HIGHEST_CHANNEL, split_strip
 from .scene_properties import MARK, REMOVED_UPON, odd, role_of, text_of
 
-_DARK = 0.2  # what is left of the light: still to be told what it was
+_DARK = 0.35  # what is left of the light: still to be told what it was
 _COLOUR = "COLOR_01"  # red
 
 
@@ -62,6 +62,7 @@ def mark(scene: Any, piece: FrameRange) -> None:
     strip = new_effect(scene, "Removed", "ADJUSTMENT", channel, piece.start, piece.stop)
     strip[MARK] = "removed"
     strip.color_multiply, strip.color_tag = _DARK, _COLOUR
+    strip.select = False  # the next key would move it
     scene.sequence_editor.channels[strip.channel].name = "Removed"
 
 
