@@ -48,6 +48,11 @@ class Recorder:
         self.notes.append(("operator", kind.name if text is None else text, translate))
         return Properties(kind.properties, name)
 
+    def operator_menu_enum(self, name, property, *, text=None, icon="NONE", translate=True, **_):
+        self.operator(name, text=text, icon=icon, translate=translate)
+        module, _, short = name.partition(".")
+        assert property in getattr(getattr(bpy.ops, module), short).get_rna_type().properties, property
+
     def __setattr__(self, name, value):
         object.__setattr__(self, name, value)
 

@@ -115,7 +115,7 @@ def make_desk(desk: Desk) -> None:
 
 def conform(desk: Desk) -> None:
     desk.mcsl("conform", str(desk.edl))
-    desk.mcsl("timeline", str(desk.edl), "-o", str(desk.blend))
+    desk.mcsl("timeline", str(desk.edl), "-o", str(desk.blend), "--force")  # the panel built it; its work is pulled
 
 
 def render(desk: Desk) -> None:

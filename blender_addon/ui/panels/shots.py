@@ -79,7 +79,7 @@ class MCSL_PT_shots(TimelinePanel, bpy.types.Panel):
         row.operator("mcsl.revert", icon="LOOP_BACK").everything = False
         row.operator("mcsl.revert", text="All", icon="LOOP_BACK").everything = True
         row = layout.row(align=True)
-        row.operator("mcsl.remove", icon="CUT")
+        row.operator("mcsl.remove", icon="REMOVE")
         row.operator("mcsl.bring_back", icon="LOOP_BACK")
         if state.removals:
             text = shown("Removed: {seconds} in {count} places")
