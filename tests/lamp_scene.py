@@ -8,6 +8,7 @@ from attrs import frozen
 
 from mcsl_core.alignment.steady import SteadyView
 from mcsl_core.alignment.tracking.lamp import AT_REST, Lamp, LampView
+from mcsl_core.alignment.tracking.least_squares import Blocks
 from mcsl_core.alignment.tracking.protocol import End, Instant
 from mcsl_core.alignment.tracking.templates import Ground, templates
 from mcsl_core.imaging.geometry import inverse, project
@@ -47,6 +48,15 @@ MOVED = LampView(np.array([0.05, -0.11, 0.35]), np.array([0.12, -0.05, 0.03]), 0
 
 def seen(lamp: Lamp, view: LampView) -> dict[str, np.ndarray]:
     return {name: lamp.projection(name, view) for name in NAMES}
+
+
+def dense_slopes(problem: Blocks, numbers: np.ndarray) -> np.ndarray:
+    """(R, P): the whole Jacobian of a problem's blocks."""
+    whole = []
+    for columns, slopes in problem.slopes(numbers):
+        whole.append(np.zeros((len(slopes), len(numbers))))
+        whole[-1][:, columns] = slopes
+    return np.concatenate(whole)
 
 
 def drawn(lamp: Lamp, texture: np.ndarray, camera: str, view: LampView) -> np.ndarray:

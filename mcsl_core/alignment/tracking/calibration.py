@@ -17,12 +17,12 @@ from collections.abc import Iterator, Mapping, Sequence
 import cv2
 import numpy as np
 from attrs import evolve, frozen
-from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from mcsl_core.imaging.geometry import Array, project
 
 from .lamp import AT_REST, Lamp, LampView, intrinsics, rotation
+from .least_squares import minimum
 
 Projections = Mapping[str, Array]
 
@@ -210,18 +210,9 @@ class Calibration:
     def solved(self, start: Array) -> tuple[float, Array]:
         """(cost, numbers); a cost without end where nothing is found."""
         try:
-            found = least_squares(
-                self.off,
-                start,
-                self.slopes,  # pyright: ignore[reportArgumentType]
-                loss="soft_l1",
-                f_scale=_OFF,
-                x_scale="jac",
-                max_nfev=60,
-            )
-        except (ValueError, np.linalg.LinAlgError):
+            return minimum(self, start, _OFF, 4 + 7 * len(self._cameras), 7)
+        except np.linalg.LinAlgError:
             return float("inf"), start
-        return float(found.cost), found.x
 
     def distances(self, numbers: Array) -> Array:
         """(N,): by which the rig misses the projections, in widths."""
@@ -236,23 +227,19 @@ class Calibration:
         ]
         return np.nan_to_num(np.concatenate(parts), nan=1e3, posinf=1e3, neginf=-1e3).ravel()
 
-    def slopes(self, numbers: Array) -> Array:
-        """(2 N, P): the derivatives of `off` by each of the P numbers.
+    def slopes(self, numbers: Array) -> Iterator[tuple[list[int], Array]]:
+        """The derivatives of `off`, for each camera in a pose: the K numbers it depends on, and by those (2 N, K).
 
-        A camera in a pose depends on its own seven numbers, the pose's and the first four alone. Finding them by
-        trying each number takes five times as long.
+        Those are its own seven, the pose's and the first four alone.
         """
         lamp, views = self.lamp(numbers), self.views(numbers)
-        counted, rows = list(self._counted()), 2 * len(self._points)
-        found = np.zeros((rows * len(counted), len(numbers)))
-        for at, (i, name) in enumerate(counted):
+        for i, name in self._counted():
             projection, columns, by_number = self._projection_slopes(lamp, views[i], i, name)
             at_pixel = self._scene @ projection.T
             moved = np.einsum("nj,kij->nik", self._scene, by_number)
             pixel, depth = at_pixel[:, :2] / at_pixel[:, 2:], at_pixel[:, 2, None, None]
             slopes = (moved[:, :2] - pixel[..., None] * moved[:, 2:]) / depth / self._sizes[name][0]
-            found[rows * at : rows * (at + 1), columns] = slopes.reshape(rows, -1)
-        return np.nan_to_num(found, nan=0.0, posinf=0.0, neginf=0.0)
+            yield columns, np.nan_to_num(slopes.reshape(-1, len(columns)), nan=0.0, posinf=0.0, neginf=0.0)
 
     def _counted(self) -> Iterator[tuple[int, str]]:
         """Poses and cameras in the order of `off`; not the one that says what the programme's pixels are."""
