@@ -133,14 +133,15 @@ def of_multicam(document: bytes) -> Shown:
     zero_s = seconds(sequence.get("tcStart"))
     multicam = root.find("./resources/media/multicam")
     begin_s = seconds(multicam.get("tcStart"))
-    angles = {}
+    angles, ends = {}, set()
     for angle in multicam.findall("mc-angle"):
         at_s = begin_s
         for item in angle:
             assert seconds(item.get("offset")) == at_s
             at_s += seconds(item.get("duration"))
-        assert at_s == begin_s + seconds(sequence.get("duration"))
+        ends.add(at_s)
         angles[angle.get("angleID")] = of_items(root, angle.findall("asset-clip"), rate, begin_s)
+    assert len(ends) == 1
     shown: Shown = []
     at_s = zero_s
     for clip in sequence.find("spine"):
@@ -154,4 +155,5 @@ def of_multicam(document: bytes) -> Shown:
             begin, end = max(start, inside), min(start + length, inside + seconds(clip.get("duration")) * rate)
             if begin < end:
                 shown.append((int(first + begin - inside), int(end - begin), path, picture + begin - start))
+    assert at_s == zero_s + seconds(sequence.get("duration"))
     return shown

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from itertools import accumulate
 
 import attrs
 
@@ -26,12 +25,12 @@ def remove(edl: Edl, piece: FrameRange) -> Edl:
 def bring_back(edl: Edl, piece: FrameRange | None = None) -> Edl:
     """``edl`` with what was removed of ``piece`` (of everything, without) delivered again."""
     piece = piece or FrameRange(0, edl.frames)
-    return attrs.evolve(edl, removed=tuple(left for one in edl.removed for left in _outside(one, [piece])))
+    return attrs.evolve(edl, removed=tuple(left for one in edl.removed for left in outside(one, [piece])))
 
 
 def delivered(edl: Edl, piece: FrameRange | None = None) -> tuple[FrameRange, ...]:
     """The programme's frames (those of ``piece``) that are not removed: as few ranges as can be, in order."""
-    return tuple(_outside(piece or FrameRange(0, edl.frames), edl.removed))
+    return tuple(outside(piece or FrameRange(0, edl.frames), edl.removed))
 
 
 def delivered_frames(edl: Edl) -> int:
@@ -39,14 +38,8 @@ def delivered_frames(edl: Edl) -> int:
     return sum(map(len, delivered(edl)))
 
 
-def delivered_at(edl: Edl) -> tuple[tuple[int, FrameRange], ...]:
-    """Each of `delivered`, with the frame of the delivered programme that it begins at."""
-    kept = delivered(edl)
-    return tuple(zip(accumulate(map(len, kept), initial=0), kept, strict=False))
-
-
-def _outside(piece: FrameRange, removed: Iterable[FrameRange]) -> list[FrameRange]:
-    """What of ``piece`` lies in none of ``removed``."""
+def outside(piece: FrameRange, removed: Iterable[FrameRange]) -> list[FrameRange]:
+    """What of ``piece`` lies in none of ``removed``, in order."""
     left, at = [], piece.start
     for one in joined(removed):
         if one.start >= piece.stop:

@@ -17,8 +17,9 @@ from mcsl_core.progress import counted
 from mcsl_core.timing import FrameRange, format_time, joined, merge_equal
 
 from .found import FoundClip, FoundCut
-from .model import OVERRIDE, Clip, Transform
+from .model import OVERRIDE, Transform
 from .model import Sequence as Cut
+from .origin import pairs
 from .painting import beside, paint
 from .placing import Placed, Placer, shown
 
@@ -36,12 +37,15 @@ class Changes:
         Where another camera is shown than the cut says, and which; in order.
     removed
         Programme frames that are shown no more; in order.
+    brought_back
+        Programme frames that the cut had removed and that are shown; in order.
     notes
         What else was found and is not read, for a person.
     """
 
     cameras: tuple[tuple[FrameRange, str], ...]
     removed: tuple[FrameRange, ...]
+    brought_back: tuple[FrameRange, ...]
     notes: tuple[str, ...]
 
 
@@ -71,15 +75,23 @@ def find_changes(cut: Cut, found: FoundCut, layout: Layout) -> Changes:
         raise DocumentError("none of its clips is of this EDL's media", remedy=remedy)
     cameras: list[tuple[FrameRange, str]] = []
     removed: list[FrameRange] = []
-    for piece, (before, now, retimed) in beside(cut.frames, was, seen.painted, seen.retimed):
+    brought_back: list[FrameRange] = []
+    out = paint(cut.frames, ((piece, "") for piece in cut.removed))
+    whole = paint(cut.frames, pairs(cut.shots))
+    for piece, (before, now, retimed, gone, decided) in beside(cut.frames, was, seen.painted, seen.retimed, out, whole):
+        if now is not None and gone is not None:
+            brought_back.append(piece)
+            before = decided
         if now is not None and now != before:
             cameras.append((piece, now))
         elif now is None and before is not None and retimed is None:
             removed.append(piece)
-    gone = joined(removed)
-    covered = [piece for piece in gone if seen.may_be_covered(piece)]
+    new = joined(removed)
+    holes = joined([*removed, *(p for p, gone in out if gone is not None)])  # what is missing in one place
+    covered = [piece for piece in new if seen.may_be_covered(next(h for h in holes if piece.start in h))]
     notes = (*found.notes, *seen.notes(), *map(_cover_note, covered), *_marker_notes(cut, found))
-    return Changes(tuple(merge_equal(cameras)), tuple(piece for piece in gone if piece not in covered), notes)
+    left = tuple(piece for piece in new if piece not in covered)
+    return Changes(tuple(merge_equal(cameras)), left, tuple(joined(brought_back)), notes)
 
 
 def with_cameras(edl: Edl, cameras: Iterable[tuple[FrameRange, str]]) -> Edl:
@@ -185,9 +197,9 @@ def _cover_note(piece: FrameRange) -> str:
 def _exported(cut: Cut, layout: Layout) -> Iterator[tuple[FrameRange, str]]:
     """What an export that nobody touched shows, the lowest layer first."""
     if layout == "multicam":  # it lasts as long as the programme, as what is conformed does
-        yield from ((shot.range, shot.camera) for shot in cut.shots)
+        yield from pairs(cut.held_shots())
         return
-    below: Sequence[Clip] = [clip for angle in cut.angles for clip in angle.clips] if layout == "layers" else ()
+    below = cut.held(clip for angle in cut.angles for clip in angle.clips) if layout == "layers" else ()
     yield from ((clip.range, clip.camera) for clip in (*below, *cut.shown()))
 
 

@@ -34,10 +34,11 @@ def write_cmx(cut: Sequence) -> bytes:
         raise UsageError(what, remedy="Export .fcpxml, .xml or .otio")
     lines = [f"TITLE: {_line(cut.name)[:70]}", f"FCM: {'DROP FRAME' if cut.drop else 'NON-DROP FRAME'}"]
     reels = reels_of([angle.camera for angle in cut.angles])
-    events = [(clip.range.start, "V", clip) for clip in cut.shown()]
-    events += [(clip.range.start, "A" if clip.medium.channels == 1 else "AA", clip) for clip in cut.sound]
+    events = [(clip.range.start, "V", clip) for clip in map(cut.moved, cut.shown())]
+    heard = map(cut.moved, cut.held(cut.sound))
+    events += [(clip.range.start, "A" if clip.medium.channels == 1 else "AA", clip) for clip in heard]
     width = max(3, len(str(len(events))))
-    markers = list(reversed(cut.markers))
+    markers = list(cut.held_markers())[::-1]
     for number, (_, track, clip) in enumerate(sorted(events, key=lambda e: (e[0], e[1] != "V")), start=1):
         reel = PROGRAMME_REEL if cut.programme is not None else reels[clip.camera]
         lines += ["", f"{number:0{width}d}  {reel:<8} {track:<5} C        {_codes(cut, clip)}"]

@@ -16,7 +16,6 @@ from mcsl_core.outputs.inputs import inputs_of
 from mcsl_core.outputs.manifest import Manifest
 from mcsl_core.progress import Progress, Silent
 from mcsl_core.recording.footage import footage_of
-from mcsl_core.timing import format_time
 
 from . import conformed as media
 from .formats import format_to_write
@@ -74,9 +73,6 @@ def export(edl_path: Path, out: Path, settings: ExportSettings, progress: Progre
     edl = edls.load(edl_path)
     check_rate(edl.rate)
     count_of(settings.start, edl.rate)  # a wrong call is told before any work
-    if edl.removed:
-        length = format_time(sum(map(len, edl.removed)) / edl.rate)
-        progress.note(f"the export holds the whole programme, the {length} that are removed too: take them out there")
     source = ProgrammeSource(edl, edl_path.parent, filler_of(edl), settings.audio)
     output = _claimed(out, edl, edl_path, settings)
     programme = sound = None

@@ -30,7 +30,7 @@ def write_fcpxml(cut: Sequence) -> bytes:
         add(event, "project", name=cut.name),
         "sequence",
         format=writer.format(cut.rate, cut.size),
-        duration=time(cut.seconds(cut.frames)),
+        duration=time(cut.seconds(cut.length)),
         tcStart=time(cut.start_s),
         tcFormat="DF" if cut.drop else "NDF",
         audioLayout="stereo",
@@ -145,22 +145,24 @@ class _Writer:
 
     def spine(self, spine: ET.Element) -> None:
         """The shots; what is conformed is heard from its own file, cameras are heard as an angle."""
-        cut, markers = self._cut, list(reversed(self._cut.markers))
-        for shot in cut.shots:
-            place = self._place(shot.range.start)
+        cut, markers = self._cut, list(self._cut.held_markers())[::-1]
+        begins = {piece.start: piece for piece in cut.kept}
+        for shot in cut.held_shots():
+            at = cut.position(shot.range.start)
+            place = self._place(at)
             if cut.programme is None:
-                clip, start = self._mc_clip(spine, shot, place), place
+                clip, start = self._mc_clip(spine, shot, place), self._place(shot.range.start)
             else:
                 shown = next(cut.shown_in(shot))
                 clip, start = self._asset_clip(spine, shown, place, srcEnable="video"), _source_s(shown)
-                if shot is cut.shots[0]:
-                    for sound in cut.sound:
-                        offset = start + cut.seconds(sound.range.start)
+                if (piece := begins.get(shot.range.start)) is not None:
+                    for sound in filter(None, (sound.part(piece) for sound in cut.sound)):
+                        offset = start + cut.seconds(sound.range.start - piece.start)
                         self._asset_clip(clip, sound, offset, lane=-2, audioRole="dialogue")
                 self._mc_clip(clip, shot, start, lane=-1)
-            while markers and markers[-1].range.start < shot.range.stop:
+            while markers and markers[-1].range.start < at + len(shot.range):
                 marker = markers.pop()
-                self._marker(clip, marker, start + cut.seconds(marker.range.start - shot.range.start))
+                self._marker(clip, marker, start + cut.seconds(marker.range.start - at))
 
     def _mc_clip(self, parent: ET.Element, shot: Shot, offset: Fraction, **more: object) -> ET.Element:
         clip = add(

@@ -6,14 +6,18 @@ medium is a number of its own pictures from its first one, whatever timecode tha
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from bisect import bisect_right
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
+from functools import cached_property
+from itertools import accumulate, islice
 from pathlib import Path
 from typing import Literal
 
 import attrs
 from attrs import field, frozen
 
+from mcsl_core.edl.removal import outside
 from mcsl_core.errors import Fault
 from mcsl_core.timing import FrameRange
 
@@ -155,7 +159,7 @@ class Marker:
     note: str = ""
 
 
-@frozen(kw_only=True)
+@frozen(kw_only=True, slots=False)
 class Sequence:
     """The whole cut.
 
@@ -181,6 +185,12 @@ class Sequence:
         The conformed programme; None where shots show the angles themselves.
     sound
         What is heard, in order: of one camera, or conformed; none where the programme is silent.
+    removed
+        What of the programme the sequence does not hold; it closes up there.
+
+    Notes
+    -----
+    All frames here are the programme's, also those of clips. Where something lies in the sequence says `moved`.
     """
 
     name: str
@@ -195,6 +205,63 @@ class Sequence:
     markers: tuple[Marker, ...] = ()
     programme: Medium | None = None
     sound: tuple[Clip, ...] = ()
+    removed: tuple[FrameRange, ...] = ()
+
+    @cached_property
+    def kept(self) -> tuple[FrameRange, ...]:
+        """The programme frames that the sequence holds, in order."""
+        return tuple(outside(FrameRange(0, self.frames), self.removed))
+
+    @cached_property
+    def _starts(self) -> list[int]:
+        """Where in the sequence each of `kept` begins, and where the last ends."""
+        return list(accumulate(map(len, self.kept), initial=0))
+
+    @property
+    def length(self) -> int:
+        """Frames of the sequence."""
+        return self._starts[-1]
+
+    def position(self, frame: int) -> int:
+        """Where in the sequence a programme frame lies that it holds."""
+        index = bisect_right(self.kept, frame, key=lambda piece: piece.start) - 1
+        return self._starts[index] + frame - self.kept[index].start
+
+    def frame_at(self, position: int) -> int:
+        """The programme frame that lies at a place of the sequence; beyond its end they are counted on."""
+        index = min(max(bisect_right(self._starts, position) - 1, 0), len(self.kept) - 1)
+        return self.kept[index].start + position - self._starts[index]
+
+    def moved(self, clip: Clip) -> Clip:
+        """A clip of frames that the sequence holds one after another, at its place there."""
+        at = self.position(clip.range.start)
+        return attrs.evolve(clip, range=FrameRange(at, at + len(clip.range)))
+
+    def parts(self, span: FrameRange) -> Iterator[FrameRange]:
+        """What of ``span`` the sequence holds, in order."""
+        first = bisect_right(self.kept, span.start, key=lambda piece: piece.stop)
+        for piece in islice(self.kept, first, None):
+            if (both := piece.intersection(span)) is None:
+                return
+            yield both
+
+    def held(self, clips: Iterable[Clip]) -> Iterator[Clip]:
+        """What of clips the sequence holds; those at a seam are two."""
+        for clip in clips:
+            yield from filter(None, map(clip.part, self.parts(clip.range)))
+
+    def held_shots(self) -> Iterator[Shot]:
+        """What of the shots the sequence holds; those at a seam are two."""
+        for shot in self.shots:
+            yield from (Shot(part, shot.camera) for part in self.parts(shot.range))
+
+    def held_markers(self) -> Iterator[Marker]:
+        """The markers that begin in what the sequence holds, at their places there; they end where it is cut."""
+        for marker in self.markers:
+            part = next(self.parts(marker.range), None)
+            if part is not None and part.start == marker.range.start:
+                at = self.position(part.start)
+                yield attrs.evolve(marker, range=FrameRange(at, at + len(part)))
 
     def angle(self, camera: str) -> Angle:
         """The angle of that camera; KeyError where there is none."""
@@ -214,7 +281,7 @@ class Sequence:
 
     def shown(self) -> tuple[Clip, ...]:
         """The clips that make the picture, in order: a clip a shot of the conformed programme, else of the angles."""
-        return tuple(clip for shot in self.shots for clip in self.shown_in(shot))
+        return tuple(clip for shot in self.held_shots() for clip in self.shown_in(shot))
 
     def shown_in(self, shot: Shot) -> Iterator[Clip]:
         """The clips that make the picture of one shot, in order."""

@@ -1,7 +1,8 @@
 """What a document says of the decisions that it was exported with, so that it can be compared with just those.
 
-A digest of the automatic choice; one of what was shown; and the stretches in which overrides showed another camera, as
-``start-stop:camera`` with the camera's number in the EDL. The second digest tells whether they came back whole.
+A digest of the automatic choice; one of what was shown; the stretches in which overrides showed another camera, as
+``start-stop:camera`` with the camera's number in the EDL; and those that were removed, as ``xstart-stop``. The second
+digest tells whether they came back whole.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import re
 from collections.abc import Iterable, Sequence
 
 import attrs
+from attrs import frozen
 
 from mcsl_core.edl import Edl, Override
 from mcsl_core.edl.resolve import resolve
@@ -22,8 +24,17 @@ from .painting import beside
 
 _MOST_LETTERS = 40_000  # no editor says how much a note holds
 _DIGEST = "[0-9a-f]{16}"
-ORIGIN = re.compile(rf"mcsl cut ({_DIGEST}(?:\s+{_DIGEST}(?:\s+\d+-\d+:\d+)*)?)")
+ORIGIN = re.compile(rf"mcsl cut ({_DIGEST}(?:\s+{_DIGEST}(?:\s+(?:\d+-\d+:\d+|x\d+-\d+))*)?)")
 _STRETCH = re.compile(r"(\d{1,15})-(\d{1,15}):(\d{1,9})")
+_REMOVED = re.compile(r"x(\d{1,15})-(\d{1,15})")
+
+
+@frozen
+class Exported:
+    """What a document held when it was exported: its shots, and what of the programme was removed."""
+
+    shots: tuple[Shot, ...]
+    removed: tuple[FrameRange, ...]
 
 
 def shots_of(edl: Edl) -> tuple[Shot, ...]:
@@ -52,19 +63,23 @@ def origin_of(edl: Edl) -> str:
     shown, number = shots_of(edl), {camera.name: n for n, camera in enumerate(edl.cameras)}
     both = beside(edl.frames, pairs(shown), pairs(automatic_of(edl)))
     decided = merge_equal([(piece, camera) for piece, (camera, automatic) in both if camera != automatic])
-    said = [basis_of(edl), _digest(edl, shown)]
-    whole = " ".join([*said, *(f"{piece.start}-{piece.stop}:{number[camera]}" for piece, camera in decided)])
+    said = [basis_of(edl), _digest(edl, shown, edl.removed)]
+    words = [*said, *(f"{piece.start}-{piece.stop}:{number[camera]}" for piece, camera in decided)]
+    whole = " ".join([*words, *(f"x{piece.start}-{piece.stop}" for piece in edl.removed)])
     return whole if len(whole) <= _MOST_LETTERS else " ".join(said)
 
 
-def exported_shots(origin: str, edl: Edl) -> tuple[Shot, ...] | None:
-    """What was shown when a document was exported; None where it does not say so, or not whole."""
+def exported(origin: str, edl: Edl) -> Exported | None:
+    """What a document held when it was exported; None where it does not say so, or not whole."""
     words = origin.split()
     if len(words) < 2:
         return None
     decided = [override for word in words[2:] if (override := _override(word, edl)) is not None]
-    candidates = shots_of(edl), shots_of(attrs.evolve(edl, overrides=tuple(decided)))
-    return next((shots for shots in candidates if _digest(edl, shots) == words[1]), None)
+    gone = [match for word in words[2:] if (match := _REMOVED.fullmatch(word))]
+    said = tuple(FrameRange(int(m[1]), int(m[2])) for m in gone if int(m[1]) < int(m[2]))
+    shown = shots_of(edl), shots_of(attrs.evolve(edl, overrides=tuple(decided)))
+    found = (Exported(shots, removed) for shots in shown for removed in (said, edl.removed))
+    return next((one for one in found if _digest(edl, one.shots, one.removed) == words[1]), None)
 
 
 def _override(word: str, edl: Edl) -> Override | None:
@@ -76,6 +91,7 @@ def _override(word: str, edl: Edl) -> Override | None:
     return Override(FrameRange(start, stop), camera=edl.cameras[camera].name) if there else None
 
 
-def _digest(edl: Edl, shots: Sequence[Shot]) -> str:
+def _digest(edl: Edl, shots: Sequence[Shot], removed: Sequence[FrameRange] = ()) -> str:
     facts = [str(edl.rate), *([shot.range.stop, shot.camera] for shot in shots)]
+    facts += [["x", piece.start, piece.stop] for piece in removed]
     return hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:16]

@@ -21,11 +21,11 @@ KEY = "mcsl"
 
 def write_otio(cut: Sequence) -> bytes:
     """The document."""
-    tracks = [_track(cut, angle.camera, "Video", [_clip(clip) for clip in angle.clips]) for angle in cut.angles]
-    tracks.append(_track(cut, "Programme", "Video", [_clip(clip, _others(cut, clip)) for clip in cut.shown()]))
+    tracks = [_track(cut, a.camera, "Video", [_clip(cut.moved(c)) for c in cut.held(a.clips)]) for a in cut.angles]
+    tracks.append(_track(cut, "Programme", "Video", [_clip(cut.moved(c), _others(cut, c)) for c in cut.shown()]))
     if cut.sound:
-        tracks.append(_track(cut, "Sound", "Audio", [_clip(clip) for clip in cut.sound]))
-    stack = _object("Stack.1", "tracks", children=tracks, markers=[_marker(m, cut.rate) for m in cut.markers])
+        tracks.append(_track(cut, "Sound", "Audio", [_clip(cut.moved(c)) for c in cut.held(cut.sound)]))
+    stack = _object("Stack.1", "tracks", children=tracks, markers=[_marker(m, cut.rate) for m in cut.held_markers()])
     timeline = {
         "OTIO_SCHEMA": "Timeline.1",
         "metadata": {KEY: {"cut": cut.origin, "rate": str(cut.rate)}},

@@ -55,7 +55,7 @@ class Placer:
         self._owner = {medium: angle.camera for angle in cut.angles for medium in _media(angle)}
         reels = reels_of([angle.camera for angle in cut.angles])
         self._reels = {reel: camera for camera, reel in reels.items()}
-        laid = [*cut.shown(), *(clip for angle in cut.angles for clip in angle.clips)]
+        laid = [*cut.shown(), *cut.held(clip for angle in cut.angles for clip in angle.clips)]
         self._stops = [shot.range.stop for shot in cut.shots]
         self._begins = {(clip.camera, clip.range.start) for clip in laid}
 
@@ -84,9 +84,9 @@ class Placer:
         medium = self._medium(clip)
         if medium is None or own is None:
             return None
-        start = self._frame_of(clip, medium)
-        if start != clip.range.start and self._frame_of(active, own) == clip.range.start:
-            start = clip.range.start  # it was made to fit the medium that is shown
+        start, lies = self._frame_of(clip, medium), self._cut.frame_at(clip.range.start)
+        if start != lies and self._frame_of(active, own) == lies:
+            start = lies  # it was made to fit the medium that is shown
         return Placed(start, chosen or self._owner[medium])
 
     def _active(self, clip: FoundClip, active: Reference) -> FoundClip:
@@ -132,7 +132,8 @@ class Placer:
         nearest = min(pieces, key=lambda p: max(p.source - picture, picture - p.source_stop))
         frames = [round(piece.range.start + picture - piece.source) for piece in within or [nearest]]
         known = [n for n in frames if (camera, n) in self._begins]
-        return clip.range.start if clip.range.start in frames else (known or frames)[0]
+        lies = self._cut.frame_at(clip.range.start)
+        return lies if lies in frames else (known or frames)[0]
 
     def _zero_s(self, clip: FoundClip, medium: Medium) -> Fraction:
         """The timecode of the medium's first picture; a day less where its labels went past midnight."""
@@ -161,8 +162,9 @@ class Placer:
         close = [n for n in around if any(abs(n - e) <= off for e in exact)]
         written = [n for n in close if any(self._writes(piece, n, picture) for piece in pieces if n in piece.range)]
         known = [n for n in written or close if (camera, n) in self._begins]
-        likely = written if clip.range.start in written else known or close
-        return clip.range.start if clip.range.start in likely else (known or written or [round(exact[0])])[0]
+        lies = self._cut.frame_at(clip.range.start)
+        likely = written if lies in written else known or close
+        return lies if lies in likely else (known or written or [round(exact[0])])[0]
 
     def _writes(self, piece: Clip, frame: int, picture: Fraction) -> bool:
         """Whether an export says ``picture`` of a clip that begins at ``frame``: in pictures, frames, or exactly."""

@@ -10,7 +10,7 @@ from attrs import frozen
 from mcsl_core import edl as edls
 from mcsl_core.edl import Edl
 from mcsl_core.edl.edits import rebased
-from mcsl_core.edl.removal import remove
+from mcsl_core.edl.removal import bring_back, remove
 from mcsl_core.errors import DocumentError, Fault, InputError, UsageError
 from mcsl_core.outputs.claim import claim
 from mcsl_core.outputs.inputs import inputs_of
@@ -42,9 +42,9 @@ def pull(
 ) -> Pulled:
     """Reads an editor's changes into an EDL, or into a copy of it at ``out``.
 
-    Which camera is shown where becomes overrides, what is shown no more is removed; whatever else was found changed is
-    told and left, and so are overrides that were made since the export. Nothing is brought back: exports hold what is
-    removed as well. Where nothing was decided anew, the file is left as it is.
+    Which camera is shown where becomes overrides, what is shown no more is removed, what was removed when the document
+    was exported and is shown is brought back; whatever else was found changed is told and left, and so are overrides
+    and removals that were made since the export. Where nothing was decided anew, the file is left as it is.
 
     Raises
     ------
@@ -64,7 +64,10 @@ def pull(
         if out is not None and out.resolve() != edl_path.resolve():
             output = claim(out, inputs=inputs, manifest=Manifest.beside(edl_path), force=force)
         found = changes_in(document, form, edl, edl_path.parent)
-        new = _without(with_cameras(edl, found.changes.cameras), found.changes.removed, document)
+        new = with_cameras(edl, found.changes.cameras)
+        for piece in found.changes.brought_back:
+            new = bring_back(new, piece)
+        new = _without(new, found.changes.removed, document)
         if output is not None:
             moved = rebased(new, edl_path.parent, output.path.parent)
             output.write(edl_path.read_bytes() if moved == edl else edls.dumps(moved).encode())
@@ -103,6 +106,8 @@ def told(found: Merged, edl: Edl) -> list[str]:
     lines = []
     for piece in found.changes.removed:
         lines.append(f"removed: {_named(piece, edl)} are left out of the video from now on")
+    for piece in found.changes.brought_back:
+        lines.append(f"brought back: {_named(piece, edl)} are in the video again")
     lines += [f"not read: {note}" for note in found.changes.notes]
     why = "was decided in the EDL, and the document does not know of it"
     lines += [f"kept: {_named(piece, edl)} show {camera}, which {why}" for piece, camera in found.kept]

@@ -86,6 +86,7 @@ def sequence_of(edl: Edl, parts: Mapping[str, Sequence[Part]], wanted: Wanted) -
         markers=tuple(sorted(_markers(edl))),
         programme=wanted.programme,
         sound=sound,
+        removed=edl.removed,
     )
 
 

@@ -8,13 +8,14 @@ import attrs
 from attrs import frozen
 
 from mcsl_core.edl import Edl
+from mcsl_core.edl.removal import outside
 from mcsl_core.timing import FrameRange, merge_equal
 
 from .changes import Changes, Layout, find_changes
 from .found import FoundCut
 from .model import Sequence as Cut
 from .model import Shot
-from .origin import automatic_of, exported_shots, pairs, shots_of
+from .origin import automatic_of, exported, pairs, shots_of
 from .painting import beside, paint
 
 Stretches = tuple[tuple[FrameRange, str], ...]
@@ -41,12 +42,29 @@ class Merged:
 
 def compared(cut: Cut, edl: Edl, found: FoundCut, layout: Layout) -> Merged:
     """What an editor changed of ``edl``, whose cut as it is now is ``cut``, since the document was exported."""
-    exported = exported_shots(found.origin, edl)
-    before = cut if exported is None else attrs.evolve(cut, shots=exported)
-    return merged(find_changes(before, found, layout), edl, exported)
+    was = exported(found.origin, edl)
+    if was is None:
+        return merged(_without_what_came_back(find_changes(_as_long_as(found, cut), found, layout)), edl, None)
+    before = attrs.evolve(cut, shots=was.shots, removed=was.removed)
+    return merged(find_changes(before, found, layout), edl, was.shots)
 
 
-def merged(changes: Changes, edl: Edl, exported: Sequence[Shot] | None) -> Merged:
+def _as_long_as(found: FoundCut, cut: Cut) -> Cut:
+    """``cut`` closed up where the document is as long as that, else whole: older exports held what was removed."""
+    length = max((clip.range.stop for clip in found.clips), default=0)
+    return cut if length == cut.length else attrs.evolve(cut, removed=())
+
+
+def _without_what_came_back(changes: Changes) -> Changes:
+    """That something removed is there may mean that its removal is younger than the document: it is named alone."""
+    notes = [
+        f"frames {piece} are there, which are removed: bring them back with mcsl remove"
+        for piece in changes.brought_back
+    ]
+    return attrs.evolve(changes, brought_back=(), notes=(*changes.notes, *notes))
+
+
+def merged(changes: Changes, edl: Edl, shown: Sequence[Shot] | None) -> Merged:
     """Which of the changes hold beside the decisions of ``edl``.
 
     Parameters
@@ -55,26 +73,27 @@ def merged(changes: Changes, edl: Edl, exported: Sequence[Shot] | None) -> Merge
         Between what was exported, or the EDL as it is where that is not known, and what came back.
     edl
         As it is now.
-    exported
+    shown
         What was shown when the document was exported; None where it does not say so. Then no decision is taken back:
         that the automatic choice came back may mean that the decision is younger than the document.
     """
     current, automatic = pairs(shots_of(edl)), pairs(automatic_of(edl))
-    before = pairs(exported) if exported is not None else automatic
+    before = pairs(shown) if shown is not None else automatic
     cameras: list[tuple[FrameRange, str]] = []
     kept: list[tuple[FrameRange, str]] = []
     overruled: list[tuple[FrameRange, str]] = []
     found = [(piece, camera or "") for piece, camera in paint(edl.frames, changes.cameras)]
     for piece, (now, was, there) in beside(edl.frames, found, before, current):
         decided = there != was
-        if decided and now == (was if exported is None else ""):
+        if decided and now == (was if shown is None else ""):
             kept.append((piece, there))
         elif now not in ("", there):
             cameras.append((piece, now))
             if decided:
                 overruled.append((piece, there))
+    gone = [left for piece in changes.removed for left in outside(piece, edl.removed)]
     return Merged(
-        changes=attrs.evolve(changes, cameras=tuple(merge_equal(cameras))),
+        changes=attrs.evolve(changes, cameras=tuple(merge_equal(cameras)), removed=tuple(gone)),
         kept=tuple(merge_equal(kept)),
         overruled=tuple(merge_equal(overruled)),
     )

@@ -29,7 +29,7 @@ def write_xmeml(cut: Sequence) -> bytes:
     root = ET.Element("xmeml", version="5")
     sequence = add(root, "sequence", id="sequence-1")
     add(sequence, "name", cut.name)
-    add(sequence, "duration", cut.frames)
+    add(sequence, "duration", cut.length)
     _rate(sequence, cut.rate)
     _timecode(sequence, cut.rate, cut.start, cut.drop)
     writer = _Writer(cut)
@@ -37,16 +37,17 @@ def write_xmeml(cut: Sequence) -> bytes:
     video = add(media, "video")
     _format(video, cut)
     for angle in cut.angles:
-        writer.track(video, angle.clips)
-    writer.track(video, cut.shown())
+        writer.track(video, map(cut.moved, cut.held(angle.clips)))
+    writer.track(video, map(cut.moved, cut.shown()))
     audio = add(media, "audio")
     add(audio, "numOutputChannels", 2)
     characteristics = add(add(audio, "format"), "samplecharacteristics")
     add(characteristics, "depth", 16)
     add(characteristics, "samplerate", 48000)
     for channel in range(1, max((clip.medium.channels for clip in cut.sound), default=0) + 1):
-        writer.track(audio, (clip for clip in cut.sound if channel <= clip.medium.channels), channel)
-    for marker in cut.markers:
+        heard = (clip for clip in cut.sound if channel <= clip.medium.channels)
+        writer.track(audio, map(cut.moved, cut.held(heard)), channel)
+    for marker in cut.held_markers():
         _marker(sequence, marker)
     comments = add(sequence, "comments")
     add(comments, "mastercomment1", f"mcsl cut {cut.origin}")

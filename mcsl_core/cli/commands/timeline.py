@@ -90,6 +90,7 @@ def _pull_document(
         "kept": _stretches(pulled.found.kept),
         "overruled": _stretches(pulled.found.overruled),
         "removed": [[piece.start, piece.stop] for piece in changes.removed],
+        "brought_back": [[piece.start, piece.stop] for piece in changes.brought_back],
         "not_read": list(changes.notes),
     }
     changed = counted(len(changes.cameras), "changes")

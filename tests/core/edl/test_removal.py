@@ -8,7 +8,7 @@ from strategies import edls, ranges
 
 from mcsl_core.edl import dumps, from_json, loads, to_json
 from mcsl_core.edl.edits import carry_over, merged
-from mcsl_core.edl.removal import bring_back, delivered, delivered_at, delivered_frames, remove
+from mcsl_core.edl.removal import bring_back, delivered, delivered_frames, remove
 from mcsl_core.errors import DocumentError, Fault
 
 
@@ -34,12 +34,9 @@ def test_removing_and_bringing_back_are_those_of_sets(edl, data):
 
 
 @given(edls())
-def test_delivered_frames_are_counted_from_the_first_that_is_left(edl):
+def test_delivered_frames_are_those_that_are_left(edl):
     left = [n for n in range(edl.frames) if n not in frames_of(edl.removed)]
     assert delivered_frames(edl) == len(left)
-    assert [frame for _, piece in delivered_at(edl) for frame in piece] == left
-    for at, piece in delivered_at(edl):
-        assert left[at] == piece.start
 
 
 def test_analysis_keeps_it_and_refuses_what_it_cannot_keep():

@@ -16,7 +16,6 @@ from click.testing import CliRunner
 from coded_video import SIZE, read_number
 from interchange_readers import by_fcp_adapter, by_lxml, by_otio, expanded, of_multicam, of_track, otio, seconds
 from lxml import etree
-from notes import Notes
 from two_cameras import EXPECTED, FRAMES, make, shown, write_sources
 
 from mcsl_core import edl as edls
@@ -29,7 +28,8 @@ from mcsl_core.interchange.pull import pull
 from mcsl_core.timing import FrameRange
 
 R = FrameRange
-NOTHING = {"overrides": 0, "changed": [], "kept": [], "overruled": [], "removed": [], "not_read": []}
+LISTS = ("changed", "kept", "overruled", "removed", "brought_back", "not_read")
+NOTHING = {"overrides": 0} | {name: [] for name in LISTS}
 NAMES = ["films", "films ü 手術", "100% of it", "a#b?c&d", "it's (1)"]
 if sys.platform != "win32":
     NAMES.append("C:\\films")
@@ -85,13 +85,13 @@ def test_every_document_leads_to_the_right_pictures_of_the_right_files(recording
         assert pictures(expanded(one)) == EXPECTED
 
 
-def test_what_is_removed_is_in_the_document_and_that_is_told(recording):
-    path, told = recording / "edl.json", Notes()
+def test_what_is_removed_is_not_in_the_document(recording):
+    path = recording / "edl.json"
     edls.save(make(removed=(FrameRange(30, 60),)), path)
-    export(path, recording / "cut.otio", ExportSettings(), told)
-    assert any("the 0:00:01.0 that are removed too" in note for note in told.notes)
+    export(path, recording / "cut.otio", ExportSettings())
     read = of_track(by_otio((recording / "cut.otio").read_bytes()).video_tracks()[-1])
-    assert pictures(expanded(read)) == EXPECTED
+    assert pictures(expanded(read)) == [*EXPECTED[:30], *EXPECTED[60:]]
+    assert run("pull", recording / "cut.otio", "--edl", path) == NOTHING
 
 
 def test_the_conformed_programme_is_one_video_and_one_sound(recording, monkeypatch):
@@ -211,7 +211,7 @@ def test_a_removed_range_is_told_by_frames_and_time_and_left_out_from_then_on(re
     after = edl.read_bytes()
     run("pull", bundle, "--edl", edl)  # once more
     assert edl.read_bytes() == after
-    run("export", edl, "-o", out)  # which holds everything: nothing comes back by that
+    run("export", edl, "-o", out)
     run("pull", out, "--edl", edl)
     assert edl.read_bytes() == after
     run("remove", edl, "--bring-back")

@@ -17,7 +17,7 @@ from mcsl_core.edl import Override
 from mcsl_core.edl.resolve import resolve
 from mcsl_core.interchange.changes import with_cameras
 from mcsl_core.interchange.formats import FORMATS
-from mcsl_core.interchange.origin import basis_of, exported_shots, origin_of, shots_of
+from mcsl_core.interchange.origin import basis_of, exported, origin_of, shots_of
 from mcsl_core.interchange.three_way import compared
 
 LATER = Override(R(10, 20), camera="cam3", note="the surgeon wants this")
@@ -119,12 +119,12 @@ def test_where_the_document_does_not_say_what_it_showed_nothing_is_taken_back(su
 def test_a_document_says_just_what_it_showed(made):
     origin = origin_of(made.edl)
     plain = attrs.evolve(made.edl, overrides=())
-    assert exported_shots(origin, plain) == shots_of(made.edl)
-    assert exported_shots(" ".join(origin.split()[:2]), made.edl) == shots_of(made.edl)
-    assert exported_shots(basis_of(made.edl), made.edl) is None
+    assert exported(origin, plain).shots == shots_of(made.edl)
+    assert exported(" ".join(origin.split()[:2]), made.edl).shots == shots_of(made.edl)
+    assert exported(basis_of(made.edl), made.edl) is None
     if shots_of(plain) != shots_of(made.edl):
-        assert exported_shots(" ".join(origin.split()[:2]), plain) is None
-        assert exported_shots(origin[:-1], plain) is None
+        assert exported(" ".join(origin.split()[:2]), plain) is None
+        assert exported(origin[:-1], plain) is None
 
 
 def test_what_is_too_long_for_a_note_is_left_out_and_known_by_its_digest():
@@ -132,5 +132,5 @@ def test_what_is_too_long_for_a_note_is_left_out_and_known_by_its_digest():
     overrides = tuple(Override(R(n, n + 3), camera="cam2") for n in range(0, 20_000, 5))
     edl = film(Fraction(25), frames, overrides=overrides).edl
     assert len(origin_of(edl)) == 33
-    assert exported_shots(origin_of(edl), edl) == shots_of(edl)
-    assert exported_shots(origin_of(edl), attrs.evolve(edl, overrides=overrides[:-1])) is None
+    assert exported(origin_of(edl), edl).shots == shots_of(edl)
+    assert exported(origin_of(edl), attrs.evolve(edl, overrides=overrides[:-1])) is None
