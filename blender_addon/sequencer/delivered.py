@@ -12,7 +12,7 @@ from typing import Any
 import bpy  # pyright: ignore[reportMissingImports]
 import numpy as np
 
-from mcsl_core.errors import BlenderError
+from mcsl_core.errors import BlenderError, InputError
 from mcsl_core.fades import FADE_FRAMES, gain
 from mcsl_core.timing import FrameRange
 
@@ -27,7 +27,20 @@ def delivered_scene(scene: Any, pieces: Sequence[FrameRange], folder: Path, *, s
 
     Scene strips show the other's sequencer. They would play its sound as well, but a quarter of a frame late and a
     frame too long (5.0.1): so that is mixed into a file in ``folder``, cut there and laid beside them.
+
+    Raises
+    ------
+    InputError
+        ``scene`` does not play the programme from frame 1 on, so that other frames would be shown.
+    BlenderError
+        The sound does not come.
     """
+    if scene.frame_start != 1 or scene.frame_end < pieces[-1].stop:
+        raise InputError(
+            f"plays frames {scene.frame_start} to {scene.frame_end}, where what is removed cannot be left out",
+            where=f"scene {scene.name!r}",
+            remedy=f"Set its frame range to 1 to {pieces[-1].stop} or more",
+        )
     new = scene.copy()
     new.name = f"{scene.name} delivered"
     for name in [name for name in new.keys() if name.startswith(MARK)]:  # noqa: SIM118 - a scene is no mapping

@@ -6,7 +6,7 @@ They are the editor's to lay, move, trim and delete; core/removal.py says what t
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from mcsl_core.errors import InputError
@@ -34,7 +34,16 @@ def read_marks(scene: Any) -> FoundRemoval:
         upon = from_text(text)
     except (ValueError, TypeError) as error:
         raise odd(REMOVED_UPON, text, "ranges of frames", "the scene") from error
-    return FoundRemoval(tuple(joined(FrameRange(max(a, 0), b) for a, b in _spans(scene) if b > max(a, 0))), upon)
+    return FoundRemoval(tuple(joined(span for strip in marks_of(scene) if (span := _span(strip)) is not None)), upon)
+
+
+def keep_marks(scene: Any, removed: Sequence[FrameRange]) -> bool:
+    """Marks follow what the EDL has removed now, by whomever; whether they had to."""
+    found = read_marks(scene)
+    if found.upon == tuple(removed) and found.marks == merged(removed, found):
+        return False
+    lay_marks(scene, removed)
+    return True
 
 
 def lay_marks(scene: Any, removed: Sequence[FrameRange]) -> None:
@@ -44,21 +53,16 @@ def lay_marks(scene: Any, removed: Sequence[FrameRange]) -> None:
     """
     wanted = merged(removed, read_marks(scene))
     for strip in marks_of(scene):
-        if without([FrameRange(*ends(strip))], wanted):
+        if (span := _span(strip)) is not None and without([span], wanted):
             scene.sequence_editor.strips.remove(strip)
     for piece in without(wanted, read_marks(scene).marks):
         mark(scene, piece)
-    note_removed(scene, removed)
-
-
-def note_removed(scene: Any, removed: Iterable[FrameRange]) -> None:
-    """Notes what the EDL has removed: from now on marks are read against that."""
-    scene[REMOVED_UPON] = to_text(removed)
+    scene[REMOVED_UPON] = to_text(removed)  # from now on marks are read against that
 
 
 def mark(scene: Any, piece: FrameRange) -> None:
     """A mark over programme frames. InputError where there is no channel left for it."""
-    channel = _channel(scene)
+    channel = _channel(scene, piece)
     strip = new_effect(scene, "Removed", "ADJUSTMENT", channel, piece.start, piece.stop)
     strip[MARK] = "removed"
     strip.color_multiply, strip.color_tag = _DARK, _COLOUR
@@ -71,7 +75,8 @@ def unmark(scene: Any, piece: FrameRange) -> bool:
     found = False
     for strip in marks_of(scene):
         start, stop = ends(strip)
-        if not (part := FrameRange(start, stop).intersection(piece)):
+        part = span.intersection(piece) if (span := _span(strip)) is not None else None
+        if part is None:
             continue
         found = True
         if part.start > start and part.stop < stop:
@@ -85,16 +90,19 @@ def unmark(scene: Any, piece: FrameRange) -> bool:
     return found
 
 
-def _spans(scene: Any) -> list[tuple[int, int]]:
-    return [ends(strip) for strip in marks_of(scene)]
+def _span(strip: Any) -> FrameRange | None:
+    """The frames of a mark from the programme's beginning on; None where it lies before that."""
+    start, stop = ends(strip)
+    return FrameRange(max(start, 0), stop) if stop > max(start, 0) else None
 
 
-def _channel(scene: Any) -> int:
-    """That of the marks, else the first above all strips and Conformed, so that a mark lies over whatever is shown."""
-    if marks := marks_of(scene):
-        return marks[0].channel
-    strips = scene.sequence_editor.strips
-    channel = max(strip.channel + (role_of(strip) == "centering") for strip in strips) + 1
+def _channel(scene: Any, piece: FrameRange) -> int:
+    """The first above all strips and Conformed, so that a mark lies over whatever is shown; beside other marks."""
+    ours = {strip.name for strip in marks_of(scene)}
+    others = [strip for strip in scene.sequence_editor.strips if strip.name not in ours]
+    channel = max((strip.channel + (role_of(strip) == "centering") for strip in others), default=0) + 1
+    taken = {s.channel for s in marks_of(scene) if (span := _span(s)) is not None and span.intersection(piece)}
+    channel = next(number for number in range(channel, channel + len(taken) + 1) if number not in taken)
     if channel > HIGHEST_CHANNEL:
         raise InputError(
             "has no channel left above all strips for the marks over what is removed",

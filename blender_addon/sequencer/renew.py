@@ -11,6 +11,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import attrs
+
 from mcsl_core.errors import InputError
 from mcsl_core.timing import FrameRange
 
@@ -79,11 +81,15 @@ def rebuild_timeline(scene: Any, plan: StripPlan, base: Path, *, exact: bool = F
 
 def lay_missing(scene: Any, plan: StripPlan, piece: FrameRange) -> None:
     """Programme strips over what of ``piece`` has none any more, where the preview shows what nobody chose."""
+    strips = scene.sequence_editor.strips
+    sources = {strip[CAMERA]: strip.channel for strip in strips if role_of(strip) == "camera"}  # an editor moves tracks
+    channels = [strip.channel for strip in strips if role_of(strip) == "programme" and not strip.mute]
     there = [ends(strip) for strip in strips_of(scene, "MULTICAM")]
     for span, place in _shots_without(plan, there):
-        if part := span.intersection(piece):
-            number, shot = place.value
-            lay_shot(scene, number, shot, plan.programme_channel, part)
+        number, shot = place.value
+        if (part := span.intersection(piece)) and shot.camera in sources:
+            shot = attrs.evolve(shot, source=sources[shot.camera])
+            lay_shot(scene, number, shot, channels[0] if channels else plan.programme_channel, part)
     deselect(scene)
 
 

@@ -59,6 +59,8 @@ def renew_sound(scene: Any, plan: StripPlan, base: Path) -> list[str]:
     ours = our_sound(scene, plan)
     if not ours and scene.get(SILENT):
         return []
+    for piece in plan.sound:
+        check_there(base / piece.path)  # before anything of ours goes
     laid = laid_before(scene)
     if _is_as_laid(scene, ours, laid, plan):
         waveform = all(strip.show_waveform for strip in ours)
@@ -71,8 +73,6 @@ def renew_sound(scene: Any, plan: StripPlan, base: Path) -> list[str]:
     places = sound_places(plan)
     if not places:
         return ["you changed the sound of this timeline, so it stays: mute or delete what is not to be heard"]
-    for place in places:
-        check_there(base / place.path)
     before = [ends(strip) for strip in ours]
     notes = [note for strip in ours for note in _renew(scene, strip, plan, places, base)]
     _note_laid(scene, without([*laid, *(place.range for place in places)], ()))
@@ -88,13 +88,12 @@ def renew_sound(scene: Any, plan: StripPlan, base: Path) -> list[str]:
 
 def choose_sound(scene: Any, plan: StripPlan, base: Path) -> list[str]:
     """The sound of ``plan``, which is another's by the editor's choice, or none. Notes for a person."""
-    if plan.sound and scene.get(SILENT):
+    for piece in plan.sound:
+        check_there(base / piece.path)
+    if scene.get(SILENT):
         del scene[SILENT]
         _note_laid(scene, ())
-    notes = renew_sound(scene, plan, base)
-    if not plan.sound and not notes:
-        keep_silent(scene, plan)
-    return notes
+    return renew_sound(scene, plan, base)
 
 
 def keep_silent(scene: Any, plan: StripPlan) -> None:
@@ -143,7 +142,11 @@ def _is_as_laid(scene: Any, ours: list[Any], laid: tuple[FrameRange, ...], plan:
     if SOUND_LAID in scene:
         return covered == laid
     # A timeline that does not say where sound was laid: what is not whole may have been cut off.
-    return len(covered) == 1 and covered[0].start <= max(0, plan.sound[0].start) and covered[0].stop >= _length(scene)
+    return (
+        len(covered) == 1
+        and covered[0].start <= max(0, *(piece.start for piece in plan.sound[:1]))
+        and covered[0].stop >= _length(scene)
+    )
 
 
 def _length(scene: Any) -> int:

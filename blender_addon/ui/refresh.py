@@ -33,6 +33,7 @@ from ..sequencer.camera_keys import follow_movements
 from ..sequencer.centering_keys import keyed_by_hand, set_centering_keys
 from ..sequencer.compat import sequencer_scene, strips_of
 from ..sequencer.edit import label_strips
+from ..sequencer.marks import keep_marks
 from ..sequencer.notices import notices
 from ..sequencer.read import read_shot, read_timeline
 from ..sequencer.read_times import read_films
@@ -109,9 +110,10 @@ def _bring_in_line(scene: Any, cut: tuple[FoundStrip, Sequence[Any]] | None = No
     try:
         before = _last.pop(scene.name, None)
         state = _after(before, *cut) if cut is not None else None
-        if state is None:
-            cut, state = None, read_timeline(scene)
         source = scene_properties.edl_of(scene)
+        if state is None:
+            keep_marks(scene, source.removed)
+            cut, state = None, read_timeline(scene)
         edl = read_edl(source, state)
         decisions = resolve(edl)
         by_pose = resolve_by_pose(edl, decisions)

@@ -6,6 +6,7 @@ Blender writes it beside its place under a hidden name; complete, it takes the p
 
 from __future__ import annotations
 
+import atexit
 import shutil
 import tempfile
 from pathlib import Path
@@ -37,6 +38,11 @@ class Pending:
 _SOON_S = 0.5
 _pending: Pending | None = None
 _folders: list[Path] = []  # of sound that was made to be rendered
+
+
+def busy() -> bool:
+    """Whether a render runs."""
+    return _pending is not None or bpy.app.is_job_running("RENDER")
 
 
 def begin(scene: Any, edl: Edl, target: Path) -> Any:
@@ -82,12 +88,18 @@ def _take() -> Pending | None:
 
 def tidy() -> float | None:
     """What was made to be rendered goes, once Blender has done with it; returns in how many seconds to look again."""
-    if _pending is not None or bpy.app.is_job_running("RENDER"):
+    if busy():
         return _SOON_S
     drop_delivered()
+    _drop_folders()
+    return None
+
+
+@atexit.register
+def _drop_folders() -> None:
+    """The sound of an operation is left nowhere, also where Blender is quit."""
     while _folders:
         shutil.rmtree(_folders.pop(), ignore_errors=True)
-    return None
 
 
 @bpy.app.handlers.persistent

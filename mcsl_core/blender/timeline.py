@@ -115,7 +115,7 @@ def build_timeline(
             sound=sound,
             preset=how.preset,
             output=f"{blend_path.stem}.{how.preset.container}",
-            silent=(how.audio or edl.audio_from) == NO_SOUND,
+            silent=how.audio == NO_SOUND,
         )
         built = run_task(how.blender, request, progress)
         output.keep_backup()

@@ -68,7 +68,8 @@ class MCSL_OT_render(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return scene_properties.has_timeline(sequencer_scene(context)) and not job_runner.busy()
+        idle = not (job_runner.busy() or render_guard.busy())
+        return idle and scene_properties.has_timeline(sequencer_scene(context))
 
     def execute(self, context):
         scene = sequencer_scene(context)
@@ -92,12 +93,13 @@ class MCSL_OT_render(bpy.types.Operator):
         try:
             rendered = render_guard.begin(scene, refresh.last(scene), target)
             bpy.ops.render.render(how, animation=True, scene=rendered.name)
-        except RuntimeError as error:
+        except (RuntimeError, OSError, McslError) as error:
             render_guard.drop()
             self.report({"ERROR"}, f"{target}: {str(error).strip()}")
             return {"CANCELLED"}
-        if bpy.app.background:
-            render_guard.tidy()  # where there are no timers
+        finally:
+            if bpy.app.background:
+                render_guard.tidy()  # where there are no timers
         self.report({"INFO"}, told("rendering to {path}").format(path=target))
         return {"FINISHED"}
 

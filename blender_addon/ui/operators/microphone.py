@@ -56,7 +56,7 @@ class MCSL_OT_sound_from(bpy.types.Operator):
             edl = refresh.decided(scene)
             base = scene_properties.edl_path(scene, Path(bpy.data.filepath)).parent
             notes = choose_sound(scene, make_plan(edl), base)
-        except McslError as error:
+        except (McslError, RuntimeError) as error:
             if was is None:
                 del scene[scene_properties.SOUND_FROM]
             else:

@@ -22,7 +22,7 @@ from ...sequencer import conformed, scene_properties
 from ...sequencer.build import build_timeline
 from ...sequencer.compat import sequencer_scene, use_sequencer_scene
 from ...sequencer.edit import clear_strip_decisions
-from ...sequencer.marks import note_removed
+from ...sequencer.marks import lay_marks
 from ...sequencer.proxies import attach_again
 from ...sequencer.read import read_drawing, read_timeline
 from ...sequencer.renew import rebuild_timeline
@@ -100,7 +100,7 @@ def pull(scene, tell=None) -> tuple[Edl, bool]:
             tell({"WARNING"}, note)
     scene_properties.note_home(scene, path, blend.parent if bpy.data.filepath else None)
     clear_strip_decisions(scene)
-    note_removed(scene, new.removed)
+    lay_marks(scene, new.removed)
     scene[scene_properties.OVERRIDE_COUNT] = len(new.overrides)
     return new, new != old
 

@@ -42,7 +42,7 @@ def _draw_sound(layout, context) -> None:
     try:
         heard = refresh.last(sequencer_scene(context)).audio_from
     except McslError:
-        return
+        heard = None
     row = layout.split(factor=0.4)
     side = row.row()
     side.alignment = "RIGHT"

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import attrs
 import pytest
-from blender_recording import FRAMES, R, in_blender
+from blender_recording import FRAMES, SWITCH_ON, R, in_blender
 from notes import Notes
 
 from mcsl_core import edl as edls
@@ -96,3 +96,46 @@ def test_an_editors_strip_above_keeps_its_place_under_the_marks(built, blender):
     run_task(blender, RefreshRequest(edl=path, blend=built, conformed=(), sound=None), Notes())
     code = MARKS + "out = [[s.channel for s in marks], strips['title'].channel]"
     assert in_blender(blender, built, code) == [[9, 9], 8]
+
+
+PANEL = (
+    SWITCH_ON
+    + MARKS.replace("\n", "\n    ")
+    + """
+    from blender_addon.ui import refresh
+    from blender_addon.ui.operators.timeline import pull
+    def edl_has(): return [[p.start, p.stop] for p in refresh.decided(scene).removed]
+"""
+)
+
+
+def test_what_was_removed_elsewhere_is_marked_at_the_next_look_and_survives_the_panels_pull(built, blender):
+    path = built.parent / "edl.json"
+    edls.save(attrs.evolve(edls.load(path), removed=REMOVED), path)
+    code = """
+    refresh.refresh_timeline(scene)
+    out = [spans(), [edl_has() for _ in range(2) if pull(scene)]]
+    """
+    wanted = [[7, 22], [50, FRAMES]]
+    assert in_blender(blender, built, PANEL + code) == [wanted, [wanted, wanted]]
+    assert edls.load(path).removed == REMOVED
+
+
+def test_what_was_brought_back_elsewhere_loses_its_mark(marked, blender):
+    path = marked.parent / "edl.json"
+    edls.save(attrs.evolve(edls.load(path), removed=(R(50, FRAMES),)), path)
+    code = "\n    refresh.refresh_timeline(scene)\n    out = [spans(), edl_has()]"
+    assert in_blender(blender, marked, PANEL + code) == [[[50, FRAMES]], [[50, FRAMES]]]
+
+
+def test_a_mark_that_begins_before_the_programme_is_one_all_the_same(marked, blender):
+    code = """
+    cut(marks[0], -20, 9)
+    refresh.refresh_timeline(scene)
+    before = edl_has()
+    scene.use_preview_range = True
+    scene.frame_preview_start, scene.frame_preview_end = 1, 4
+    done = bpy.ops.mcsl.bring_back() == {"FINISHED"}
+    out = [before, done, edl_has()]
+    """
+    assert in_blender(blender, marked, PANEL + code) == [[[0, 9], [50, FRAMES]], True, [[4, 9], [50, FRAMES]]]

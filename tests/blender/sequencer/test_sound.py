@@ -267,3 +267,17 @@ def test_the_edls_choice_is_laid(built, blender):
     code = CHOOSE + "\n    out = heard()"
     assert in_blender(blender, built, code, save=False) == [[3, FRAMES, "cam2.mp4", False]]
     assert pull_overrides(built, blender=blender).audio_from == "cam2"
+
+
+def test_a_microphone_whose_file_is_gone_changes_nothing(built, blender):
+    code = (
+        CHOOSE
+        + """
+    os.rename(bpy.path.abspath("//cam2.mp4"), bpy.path.abspath("//gone.mp4"))
+    before = heard()
+    try: bpy.ops.mcsl.sound_from(source="CAMERA cam2")
+    except RuntimeError as error: told = str(error)
+    out = ["cam2.mp4" in told, heard() == before, scene.get("mcsl_sound_from"), len(before)]
+    """
+    )
+    assert in_blender(blender, built, code, save=False) == [True, True, None, 2]

@@ -50,6 +50,6 @@ def test_one_without_sound_stays_without(project, blender):
 def test_another_cameras_sound_is_refused_before_any_work(project, blender):
     arguments = ["timeline", str(project / "edl.json"), "-o", str(project / "edit.blend"), "--audio", "cam2"]
     assert CliRunner().invoke(cli, arguments).exit_code == 2
-    with pytest.raises(UsageError, match="a timeline has the reference camera's sound or none, not that of 'cam2'"):
+    with pytest.raises(UsageError, match="a timeline has the sound that its EDL names or none, not that of 'cam2'"):
         build_timeline(project / "edl.json", project / "edit.blend", blender=blender, audio="cam2")
     assert not (project / "edit.blend").exists()
