@@ -10,8 +10,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from mcsl_core.errors import InputError
-from mcsl_core.timing import FrameRange, joined
+from mcsl_core.timing import FrameRange
 
+from ..core.carry_over import ranges_of
 from ..core.removal import FoundRemoval, from_text, merged, to_text
 from ..core.stale import without
 from .compat import ends, new_effect, set_ends
@@ -34,16 +35,14 @@ def read_marks(scene: Any) -> FoundRemoval:
         upon = from_text(text)
     except (ValueError, TypeError) as error:
         raise odd(REMOVED_UPON, text, "ranges of frames", "the scene") from error
-    return FoundRemoval(tuple(joined(span for strip in marks_of(scene) if (span := _span(strip)) is not None)), upon)
+    return FoundRemoval(ranges_of(ends(strip) for strip in marks_of(scene)), upon)
 
 
-def keep_marks(scene: Any, removed: Sequence[FrameRange]) -> bool:
-    """Marks follow what the EDL has removed now, by whomever; whether they had to."""
+def keep_marks(scene: Any, removed: Sequence[FrameRange]) -> None:
+    """Marks follow what the EDL has removed now, by whomever."""
     found = read_marks(scene)
-    if found.upon == tuple(removed) and found.marks == merged(removed, found):
-        return False
-    lay_marks(scene, removed)
-    return True
+    if found.upon != tuple(removed) or found.marks != merged(removed, found):
+        lay_marks(scene, removed)
 
 
 def lay_marks(scene: Any, removed: Sequence[FrameRange]) -> None:

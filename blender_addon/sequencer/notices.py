@@ -15,6 +15,7 @@ from mcsl_core.errors import McslError
 from mcsl_core.timing import FrameRange, joined
 
 from ..core import times
+from ..core.carry_over import ranges_of
 from ..core.field import remarks_on_drawing
 from ..core.outside import remark_on
 from ..core.read_overrides import SequencerState
@@ -47,7 +48,7 @@ def notices(scene: Any, edl: Edl, state: SequencerState) -> tuple[str, ...]:
 
 def _of_gaps(edl: Edl, state: SequencerState) -> Iterator[str]:
     """Where no shot lies: the video has the analysis' camera there, but the preview cannot know it."""
-    there = [FrameRange(max(s.start, 0), s.stop) for s in state.strips if not s.muted and s.stop > max(s.start, 0)]
+    there = ranges_of((strip.start, strip.stop) for strip in state.strips if not strip.muted)
     gaps = without([FrameRange(0, edl.frames)], there)
     for gap in gaps[:_NAMED]:
         yield (

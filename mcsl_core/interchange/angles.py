@@ -14,6 +14,7 @@ from math import ceil, floor
 import attrs
 
 from mcsl_core.edl import Camera, Edl
+from mcsl_core.edl.removal import outside
 from mcsl_core.errors import UsageError
 from mcsl_core.media.facts import MediaFacts
 from mcsl_core.recording.decoder import Part
@@ -67,7 +68,7 @@ def laid_files(edl: Edl, camera: Camera, parts: Sequence[Part]) -> tuple[Clip, .
     for index, part in enumerate(parts):
         ahead = _first_frame(edl, camera, parts[index + 1]) if index + 1 < len(parts) else edl.frames
         for clip in _laid(edl, camera, part, min(ahead, edl.frames)):
-            clips += [piece for free in _free(clip.range, camera.gaps) if (piece := clip.part(free))]
+            clips += [piece for free in outside(clip.range, camera.gaps) if (piece := clip.part(free))]
     return tuple(clips)
 
 
@@ -114,14 +115,3 @@ def _laid(edl: Edl, camera: Camera, part: Part, stop: int) -> Iterator[Clip]:
         if first < last:
             yield Clip(camera.name, FrameRange(first, last), medium, first * speed + ahead, edl.rate)
         at = until
-
-
-def _free(piece: FrameRange, gaps: Sequence[FrameRange]) -> Iterator[FrameRange]:
-    """``piece`` without the gaps."""
-    at = piece.start
-    for gap in gaps:
-        if at < min(gap.start, piece.stop):
-            yield FrameRange(at, min(gap.start, piece.stop))
-        at = max(at, gap.stop)
-    if at < piece.stop:
-        yield FrameRange(at, piece.stop)
