@@ -146,10 +146,10 @@ def media(folder: Path, frames: int, name: str) -> Path:
     return path
 
 
-def long_day(name: str, count: int) -> Edl:
+def long_day(name: str, count: int, frames: int = FRAMES) -> Edl:
     """``count`` shots: cuts, keys and overrides at random places, the same in every run."""
     chance = random.Random(1)
-    cuts = [0, *sorted(chance.sample(range(1, FRAMES), count - 1)), FRAMES]
+    cuts = [0, *sorted(chance.sample(range(1, frames), count - 1)), frames]
     cameras = [f"cam{n}" for n in range(1, CAMERAS + 1)]
     shots = tuple(
         Shot(FrameRange(a, b), cameras[i % CAMERAS], 0.9, "sees most of the field")
@@ -157,13 +157,13 @@ def long_day(name: str, count: int) -> Edl:
     )
     turned = ((0.31, -0.95, 40.0), (0.95, 0.31, -12.0), (1e-4, -2e-4, 1.0))
     homographies = {c: IDENTITY if c == "cam1" else turned for c in cameras}
-    begins = [n * FRAMES // (MOVEMENTS + 1) for n in range(MOVEMENTS + 2)]
+    begins = [n * frames // (MOVEMENTS + 1) for n in range(MOVEMENTS + 2)]
     return Edl(
         rate=RATE,
         size=SIZE,
-        frames=FRAMES,
+        frames=frames,
         reference="cam1",
-        cameras=tuple(Camera(c, (Media(name, FRAMES),), SIZE, RATE) for c in cameras),
+        cameras=tuple(Camera(c, (Media(name, frames),), SIZE, RATE) for c in cameras),
         movements=tuple(_movement(FrameRange(n - MOVES // 2, n + MOVES // 2), homographies) for n in begins[1:-1]),
         poses=tuple(Pose(FrameRange(a, b), homographies) for a, b in pairwise(begins)),
         shots=shots,
@@ -173,7 +173,7 @@ def long_day(name: str, count: int) -> Edl:
             if i % OVERRIDDEN == 5
         ),
         centering=tuple(
-            (i * FRAMES // KEYS, chance.randint(-90, 90) / 10, chance.randint(-90, 90) / 10) for i in range(KEYS)
+            (i * frames // KEYS, chance.randint(-90, 90) / 10, chance.randint(-90, 90) / 10) for i in range(KEYS)
         ),
     )
 

@@ -78,11 +78,11 @@ class Bounds:
 class AtMost:
     """Validator: a tuple of at most so many things."""
 
-    count: int
+    most: int
 
     def __call__(self, _instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
-        if len(value) > self.count:
-            raise Fault(f"holds {len(value)}, at most {self.count} are taken", f".{attribute.name}")
+        if len(value) > self.most:
+            raise Fault(f"holds {len(value)}, at most {self.most} are taken", f".{attribute.name}")
 
 
 @attrs.frozen
@@ -202,10 +202,14 @@ def _mapping_hook(cls: Any, converter: cattrs.Converter):
 
 def _class_hook(cls: Any, converter: cattrs.Converter):
     plain = make_dict_structure_fn(cls, converter, _cattrs_forbid_extra_keys=True)
+    counted = [field for field in attrs.fields(cls) if hasattr(field.validator, "most")]
 
     def structure(value: Any, kind: Any) -> Any:
         if not isinstance(value, Mapping):
             raise Fault(f"expected an object, got {_short(value)}")
+        for field in counted:  # before any is read: a hundred thousand cameras took twenty seconds to be refused
+            if isinstance(value.get(field.name), list | tuple | Mapping):
+                AtMost(field.validator.most)(None, field, value[field.name])
         return plain(value, kind)
 
     return structure

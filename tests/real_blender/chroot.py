@@ -81,5 +81,5 @@ def mcsl_for_inside(tree: Path, mcsl: Path) -> None:
     """`mcsl` on the tree's PATH, through the door: so the panel's buttons find it. Works inside `bound`."""
     path = tree / "usr/local/bin/mcsl"
     enter = f"""cd "$0" && exec {mcsl} "$@\""""
-    path.write_text(f'#!/bin/sh\nexec chroot {DOOR} /bin/sh -c \'{enter}\' "$PWD" "$@"\n')
+    path.write_text(f'#!/bin/sh\nexec /usr/sbin/chroot {DOOR} /bin/sh -c \'{enter}\' "$PWD" "$@"\n')
     path.chmod(0o755)

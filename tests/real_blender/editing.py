@@ -1,7 +1,22 @@
-"""An editor at work: angles, a cut while it plays, what must not move, another microphone, idle time left out."""
+"""An editor at work: angles, a cut while it plays, what must not move, sound, idle time left out, exact pictures."""
 
 import bpy
-from hands import OUT, area, check, go, hand, picture, point, press_button, scene, seen, shots, strips
+from hands import (
+    OUT,
+    area,
+    check,
+    go,
+    hand,
+    key_of_another,
+    picture,
+    point,
+    press_button,
+    scene,
+    seen,
+    shots,
+    state,
+    strips,
+)
 
 
 def previews():
@@ -59,8 +74,7 @@ def cut():
     check("it plays", bpy.context.window_manager.windows[0].screen.is_animation_playing, True)
     start, stop, source, _ = next(s for s in shots() if s[0] < scene().frame_current <= s[1])
     seen["playing"] = [start, stop, source]
-    for key in (1, 2):  # one of them is shown already
-        hand("key", key)
+    hand("key", key_of_another(source)[0])
 
 
 def stop():
@@ -94,7 +108,33 @@ def stayed():
     check("locked tracks stay where they are", [strips("centering"), strips("conformed")], seen["tracks"])
 
 
-# ------------------------------------------------------------------------------------------------ sound, and remove
+def ripple():
+    """A shot is deleted, and what follows it closes up, as in an editor that ripples."""
+    seen["shots"], seen["cameras"] = shots(), strips("camera")
+    editor = scene().sequence_editor
+    middle = seen["shots"][len(seen["shots"]) // 2]
+    for strip in editor.strips:
+        strip.select = strip.type == "MULTICAM" and int(strip.left_handle) - 1 == middle[0]
+    go(middle[0])
+    hand("key", "Delete")
+    hand("key", "BackSpace")
+
+
+def rippled():
+    seen["shots after a ripple"] = shots()
+    check("a ripple moves no camera", strips("camera"), seen["cameras"])
+    check("and no sound", [a for a, _ in strips("sound")], [0])
+    seen["told of a ripple"] = state().notices
+    check("the stretch without a shot is told", bool(state().notices), True)
+    hand("key", "ctrl+z")
+    hand("key", "ctrl+z")
+
+
+def unrippled():
+    check("a ripple undone", shots(), seen["shots"])
+
+
+# ------------------------------------------------------------------------------------------------ sound
 
 
 def microphone():
@@ -104,6 +144,59 @@ def microphone():
     names = [bpy.path.basename(s.sound.filepath) for s in scene().sequence_editor.strips if s.get("mcsl") == "sound"]
     check("its file is heard", [other in name for name in names], [True])
     press_button("mcsl.sound_from", source="AUTOMATIC")
+
+
+def sound():
+    """The editor's own work on the sound: quieter, split, one part mute."""
+    editor = scene().sequence_editor
+    [strip] = [s for s in editor.strips if s.get("mcsl") == "sound"]
+    strip.volume = 0.5
+    right = strip.split(frame=scene().frame_end // 3, split_method="SOFT")
+    right.mute = True
+    bpy.ops.ed.undo_push(message="Sound")
+    seen["sound"] = heard()
+
+
+def heard():
+    found = [s for s in scene().sequence_editor.strips if s.get("mcsl") == "sound"]
+    return sorted([int(s.left_handle), int(s.right_handle), round(s.volume, 3), s.mute] for s in found)
+
+
+# ------------------------------------------------------------------------------------------------------ exact pictures
+
+
+def conform():
+    check("cut since the pictures were made", state().outstanding_s > 0, True)
+    press_button("mcsl.conform")
+
+
+def conformed():
+    if bpy.ops.mcsl.cancel.poll():
+        return True
+    stands("conform")
+    picture("conform")
+    return None
+
+
+def analyse():
+    press_button("mcsl.analyse")
+
+
+def analysed():
+    if bpy.ops.mcsl.cancel.poll():
+        return True
+    stands("an analysis that changes nothing")
+    return None
+
+
+def stands(after):
+    check(f"all pictures are exact after {after}", state().outstanding_s, 0.0)
+    check(f"no problem after {after}", state().problem, "")
+    check(f"nothing is selected after {after}", [s.name for s in scene().sequence_editor.strips if s.select], [])
+    check(f"sound after {after}", heard(), seen["sound"])
+
+
+# ------------------------------------------------------------------------------------------------------------ remove
 
 
 def remove():
@@ -154,6 +247,7 @@ def back():
 STEPS = [
     *(frame, angles, angles_shown, lambda: None, angles_away, angles_gone),
     *(play, cut, stop, cut_there),
-    *(grab, drop, stayed),
-    *(microphone, remove, removed, lambda: None, render, rendered, back),
+    *(grab, drop, stayed, ripple, lambda: None, rippled, unrippled),
+    *(microphone, sound, conform, conformed, analyse, analysed),
+    *(remove, removed, lambda: None, render, rendered, back),
 ]

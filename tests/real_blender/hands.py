@@ -3,6 +3,7 @@
 Keys and pointer go through X, as from a person's hands. What does not come out as it should is kept in `seen`.
 """
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -18,12 +19,25 @@ def scene():
     return next(s for s in bpy.data.scenes if s.get("mcsl_edl"))
 
 
+def state():
+    """What the panel shows."""
+    return bpy.context.window_manager.mcsl_state
+
+
 def shots():
     """[start, stop, source, whether it has the colour of an override] of every Multicam strip."""
     strips = [s for s in scene().sequence_editor.strips if s.type == "MULTICAM"]
     return sorted(
         [int(s.left_handle) - 1, int(s.right_handle) - 1, s.multicam_source, s.color_tag == "COLOR_03"] for s in strips
     )
+
+
+def key_of_another(source):
+    """The key of a camera that is not the one on channel ``source``, and that camera's channel."""
+    names = json.loads(scene()["mcsl_cameras"])
+    on = {s["mcsl_camera"]: s.channel for s in scene().sequence_editor.strips if s.get("mcsl_camera")}
+    key = next(n for n, name in enumerate(names, 1) if on[name] != source)
+    return key, on[names[key - 1]]
 
 
 def check(what, found, expected):

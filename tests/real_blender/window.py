@@ -1,6 +1,6 @@
 """Run by Blender with its window: one of the pieces of work beside this file, step after step.
 
-    blender --gpu-backend opengl edit.blend -P window.py -- OUT work|first|editing
+    blender --gpu-backend opengl edit.blend -P window.py -- OUT work|first|editing|long_day
 
 Each step comes once the window had time to draw what the last one did; one that returns True is asked again. OUT gets
 the pictures, and NAME.json with what was seen.

@@ -1,10 +1,9 @@
 """Keys cut and undo, a nudge is pulled; the desk, its panel and the nudge as pictures."""
 
-import json
 import subprocess
 
 import bpy
-from hands import OUT, area, check, go, hand, picture, point, press_button, scene, seen, shots
+from hands import OUT, area, check, go, hand, key_of_another, picture, point, press_button, scene, seen, shots
 
 # ------------------------------------------------------------------------------------------------------- the desk
 
@@ -33,10 +32,7 @@ def tab():
 def longest():
     """The longest shot that no override holds in, and a key of a camera it does not show."""
     start, stop, source, _ = max((s for s in shots() if not s[3]), key=lambda s: s[1] - s[0])
-    names = json.loads(scene()["mcsl_cameras"])
-    on = {s["mcsl_camera"]: s.channel for s in scene().sequence_editor.strips if s.get("mcsl_camera")}
-    key = next(n for n, name in enumerate(names, 1) if on[name] != source)
-    return start, stop, source, key, on[names[key - 1]]
+    return start, stop, source, *key_of_another(source)
 
 
 def press():

@@ -65,8 +65,8 @@ def remove(
     """Leave a stretch of the programme out of the video.
 
     Times and frames are those of the whole programme, whatever is removed already. It is a decision that stands in the
-    EDL: `mcsl render` closes up where something is removed, and the sound fades over two frames there; the timeline,
-    exports and conformed media keep the whole programme. Without options: say what is removed.
+    EDL: `mcsl render` and `mcsl export` close up where something is removed, and a video's sound fades over two frames
+    there; the timeline and conformed media keep the whole programme. Without options: say what is removed.
     """
     now = edls.load(edl)
     piece = piece_of(now, frames, start, stop)
