@@ -32,8 +32,15 @@ def row(attribute: attrs.Attribute[Any], before: str = "") -> str:
 def words(value: object) -> str:
     """A value as it stands in the file, for a cell of a table."""
     if isinstance(value, dict):
-        return ", ".join(f"`{name}` {item}" for name, item in value.items())
+        return ", ".join(f"`{name}`{options(item)}" for name, item in value.items())
     return f"`{value}`" if value != "" else ""
+
+
+def options(value: object) -> str:
+    """What stands behind a name: one value, or an encoder's own options."""
+    if isinstance(value, dict):
+        return f" ({', '.join(f'{name} {item}' for name, item in value.items())})"
+    return f" {value}"
 
 
 def section(name: str, preset: Any) -> str:

@@ -16,6 +16,7 @@ from attrs import field, frozen
 from mcsl_core import edl as edls
 from mcsl_core.delivery.conform import conform, default_folder
 from mcsl_core.delivery.direct import VideoFormat, write_direct
+from mcsl_core.delivery.encoders import encoding_of
 from mcsl_core.delivery.presets import Preset, preset_of
 from mcsl_core.delivery.quality import Quality, quality_named
 from mcsl_core.delivery.source import ProgrammeSource
@@ -26,7 +27,6 @@ from mcsl_core.filling.provenance import ShowProvenance
 from mcsl_core.hooks.registry import filler_of
 from mcsl_core.media.hardware import NONE, check_hwaccel
 from mcsl_core.media.stripping import strip
-from mcsl_core.media.writing import Encoding
 from mcsl_core.outputs.claim import claim
 from mcsl_core.outputs.inputs import inputs_of
 from mcsl_core.outputs.manifest import Manifest, state_of
@@ -233,24 +233,11 @@ def _check(source: Path, out: Path, how: RenderSettings) -> None:
         )
 
 
-def encoding_of(preset: Preset) -> Encoding:
-    """A preset's direct half as the video writer takes it."""
-    direct = preset.direct
-    return Encoding(
-        codec=direct.codec,
-        options=direct.options,
-        pixel_format=direct.pixel_format,
-        audio_codec=direct.audio_codec,
-        audio_options=direct.audio_options,
-        tag=direct.tag,
-    )
-
-
 def _direct(edl: Edl, edl_path: Path, out: Path, how: RenderSettings, progress: Progress) -> None:
     filler = filler_of(edl, progress)
     filler = ShowProvenance(filler, [c.name for c in edl.cameras]) if how.show_origin else filler
     video = VideoFormat(
-        encoding=encoding_of(how.delivery),
+        encoding=encoding_of(how.delivery, how.hwaccel, edl, progress),
         size=how.delivery.scaled(edl.size),
         keyframe_interval=how.delivery.direct.gop,
         audio_channels=AUDIO_CHANNELS,

@@ -52,7 +52,7 @@ hwaccel_option = click.option(
     "--hwaccel",
     metavar="KIND",
     default="none",
-    help="Hardware that decodes the cameras: auto, or as FFmpeg names it (cuda, vaapi, videotoolbox).",
+    help="Hardware that decodes, and encodes with render --engine direct: auto, or as FFmpeg names it (cuda, vaapi).",
 )
 
 

@@ -60,6 +60,11 @@ def _writes_no_file(_: Any, attribute: attrs.Attribute, value: Mapping[str, str]
                 raise ValueError(f"{attribute.name}.{name} has an encoder open a file ({word.strip()})")
 
 
+def _each_writes_no_file(_: Any, attribute: attrs.Attribute, value: Mapping[str, Mapping[str, str]]) -> None:
+    for options in value.values():
+        _writes_no_file(_, attribute, options)
+
+
 @frozen
 class BlenderOutput:
     """Blender's own names for its FFmpeg output."""
@@ -88,6 +93,13 @@ class DirectOutput:
         factory=dict, validator=_writes_no_file, metadata=doc("the audio encoder's options")
     )
     tag: str = field(default="", metadata=doc("four-character code, where players want another than the muxer's"))
+    hardware: Mapping[str, Mapping[str, str]] = field(
+        factory=dict,
+        validator=_each_writes_no_file,
+        metadata=doc(
+            "the machine's own encoders of that codec and their options, the first that works with `--hwaccel`"
+        ),
+    )
 
 
 @frozen

@@ -1,4 +1,4 @@
-"""Decoding by the machine's own hardware, by FFmpeg's names of its kinds; by the processor where it does not."""
+"""The machine's own hardware for coding, by FFmpeg's names of its kinds; the processor does what it does not."""
 
 from __future__ import annotations
 
@@ -9,6 +9,13 @@ from av.codec.hwaccel import HWAccel, HWDeviceType, hwdevices_available
 from mcsl_core.errors import UsageError
 
 NONE, AUTO = "none", "auto"
+ENCODERS = {  # how FFmpeg's encoders on such hardware end
+    "cuda": "_nvenc",
+    "qsv": "_qsv",
+    "videotoolbox": "_videotoolbox",
+    "d3d11va": "_amf",
+    "dxva2": "_amf",
+}
 
 
 def check_hwaccel(name: str) -> str:
