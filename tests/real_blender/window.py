@@ -17,7 +17,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import bpy
 from hands import OUT, WAIT_S, seen
 
-PATIENCE = 200  # times that a step is asked again
+PATIENCE = 600  # times that a step is asked again
 NAME = sys.argv[-1]
 STEPS = importlib.import_module(NAME).STEPS
 
