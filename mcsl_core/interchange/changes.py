@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import islice, pairwise
+from itertools import islice
 from typing import Literal
 
 import attrs
@@ -13,15 +13,15 @@ from attrs import frozen
 
 from mcsl_core.edl import Edl, Override
 from mcsl_core.errors import DocumentError
-from mcsl_core.progress import counted
 from mcsl_core.timing import FrameRange, format_time, joined, merge_equal
 
-from .found import FoundClip, FoundCut
-from .model import OVERRIDE, Transform
+from .found import FoundCut
+from .model import OVERRIDE
 from .model import Sequence as Cut
 from .origin import pairs
 from .painting import beside, paint
-from .placing import Placed, Placer, shown
+from .placing import Placer
+from .seen import Seen
 
 Layout = Literal["multicam", "layers", "single"]
 """How a format holds the angles: in a multicam clip, on tracks below the shots, or not at all."""
@@ -67,24 +67,26 @@ def find_changes(cut: Cut, found: FoundCut, layout: Layout) -> Changes:
         Where no clip that came back is of the cut's media.
     """
     placer = Placer(cut)
-    seen = _Seen(cut, found, placer)
-    exact = any(map(placer.is_conformed, found.clips))
+    seen = Seen(cut, found, placer, layers=layout == "layers")
+    exact = any(placer.is_conformed(clip) for clip in found.clips if not clip.unread)
     was = paint(cut.frames, _exported(cut, "multicam" if exact else layout))
     if not seen.known and any(camera for _, camera in was):
         remedy = "Relink them to the cameras' files, or hand in the EDL that it was exported from with --edl"
+        if any(clip.unread for clip in found.clips):
+            remedy = f"Take nested and compound clips apart. {remedy}"
         raise DocumentError("none of its clips is of this EDL's media", remedy=remedy)
     cameras: list[tuple[FrameRange, str]] = []
     removed: list[FrameRange] = []
     brought_back: list[FrameRange] = []
     out = paint(cut.frames, ((piece, "") for piece in cut.removed))
     whole = paint(cut.frames, pairs(cut.shots))
-    for piece, (before, now, retimed, gone, decided) in beside(cut.frames, was, seen.painted, seen.retimed, out, whole):
+    for piece, (before, now, gone, decided) in beside(cut.frames, was, seen.painted, out, whole):
         if now is not None and gone is not None:
             brought_back.append(piece)
             before = decided
         if now is not None and now != before:
             cameras.append((piece, now))
-        elif now is None and before is not None and retimed is None:
+        elif now is None and before is not None:
             removed.append(piece)
     new = joined(removed)
     holes = joined([*removed, *(p for p, gone in out if gone is not None)])  # what is missing in one place
@@ -110,88 +112,8 @@ def with_cameras(edl: Edl, cameras: Iterable[tuple[FrameRange, str]]) -> Edl:
     return attrs.evolve(edl, overrides=tuple(_grown(overrides)))
 
 
-class _Seen:
-    """What a viewer of the sequence sees of the programme."""
-
-    def __init__(self, cut: Cut, found: FoundCut, placer: Placer) -> None:
-        self._cut = cut
-        placed = [(clip, placer.place(clip)) for clip in found.clips]
-        self._placed = [(clip, where) for clip, where in placed if where is not None]
-        self._foreign = [clip for clip, where in placed if where is None]
-        self._shown: list[tuple[FrameRange, FrameRange]] = []  # where in the sequence which programme frames are seen
-        self._parts = self._visible([(clip, where) for clip, where in self._placed if clip.enabled])
-        by_layer = sorted(self._parts, key=lambda part: part[0].layer)
-        self.painted = paint(cut.frames, [(piece, camera) for clip, piece, camera in by_layer if not clip.retimed])
-        self.retimed = paint(cut.frames, [(piece, camera) for clip, piece, camera in by_layer if clip.retimed])
-
-    @property
-    def known(self) -> bool:
-        """Whether any clip is of the programme."""
-        return bool(self._placed)
-
-    def _visible(self, known: list[tuple[FoundClip, Placed]]) -> list[tuple[FoundClip, FrameRange, str]]:
-        """(clip, programme frames, camera) of what is not covered, in the order of the sequence."""
-        length = max((clip.range.stop for clip, _ in known), default=1)
-        laid = sorted(known, key=lambda item: item[0].layer)
-        parts = []
-        for piece, top in paint(length, [(clip.range, (clip, where)) for clip, where in laid]):
-            if top is None:
-                continue
-            clip, where = top
-            frames = shown(clip, where, piece)
-            if frames is not None:
-                parts.append((clip, frames, where.camera))
-                self._shown.append((piece, frames))
-        return parts
-
-    def may_be_covered(self, gone: FrameRange) -> bool:
-        """Whether a foreign clip lies where programme frames that are seen no more would be: it stands for them."""
-        before = [at.stop for at, frames in self._shown if frames.stop == gone.start]
-        after = [at.start for at, frames in self._shown if frames.start == gone.stop]
-        start, stop = max(before, default=0), min(after, default=None)
-        return any(
-            clip.enabled and clip.range.stop > start and (stop is None or clip.range.start < stop)
-            for clip in self._foreign
-        )
-
-    def _is_moved(self, clip: FoundClip, where: Placed) -> bool:
-        """Whether a clip's picture lies elsewhere than the export laid it."""
-        if clip.transform is None:
-            return False
-        laid = next((c.transform for c in self._cut.angle(where.camera).clips if where.start in c.range), None)
-        if where.conformed:
-            laid = Transform(0, 0, 1, 0)
-        return laid is not None and not _alike(laid, clip.transform)
-
-    def notes(self) -> Iterator[str]:
-        """What is seen and cannot be said in an EDL."""
-        for clip in self._foreign:
-            what = clip.path or clip.angle or clip.reel or "no file"
-            yield f"{clip}: {what} is none of the programme's media"
-        moved = [(clip, where) for clip, where in self._placed if self._is_moved(clip, where)]
-        if moved:
-            at = format_time(moved[0][0].range.start / self._cut.rate)
-            yield f"{counted(len(moved), 'clips')} whose picture was moved, scaled or turned, the first at {at}"
-        if any(piece.stop > self._cut.frames for _, piece, _ in self._parts):
-            yield f"frames beyond the programme's end at {self._cut.frames}"
-        highest = max((clip.layer for clip, _, _ in self._parts), default=0)
-        top = [piece for clip, piece, _ in self._parts if clip.layer == highest]
-        if any(after.start < before.start for before, after in pairwise(top)):
-            yield "another order of the shots"
-        twice = sum(map(len, top)) - sum(map(len, joined(top)))
-        if twice:
-            yield f"{twice} frames that are shown more than once"
-
-
-def _alike(one: Transform, other: Transform) -> bool:
-    """Whether two transforms are one but for how editors round."""
-    shift = max(abs(one.x - other.x), abs(one.y - other.y))
-    turn = (one.rotation - other.rotation + 180) % 360 - 180
-    return shift < 0.1 and abs(one.scale - other.scale) < 3e-4 and abs(turn) < 0.02
-
-
 def _cover_note(piece: FrameRange) -> str:
-    return f"frames {piece}, in whose place lies what is none of the programme's media: they are not removed"
+    return f"frames {piece}, in whose place lies what is not read: they stay as the EDL has them"
 
 
 def _exported(cut: Cut, layout: Layout) -> Iterator[tuple[FrameRange, str]]:

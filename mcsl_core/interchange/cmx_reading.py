@@ -17,6 +17,7 @@ from .timecode import count_of, day_s, may_drop
 WHAT = "an edit decision list (CMX3600)"
 _CODE = r"(\d{2}:\d{2}:\d{2}[:;.,]\d{2})"
 _EVENT = re.compile(rf"(\d+)\s+(\S.*?)\s+(\S+)\s+([CDWK]\S*)\s+(?:(\S+)\s+)?{_CODE}\s+{_CODE}\s+{_CODE}\s+{_CODE}")
+_NUMBERED = re.compile(r"\d{3,}\s")
 _COMMENT = re.compile(r"\*?\s*(FROM CLIP NAME|SOURCE FILE|FROM FILE|LOC|MCSL CUT SHOWN|MCSL CUT)\s*:\s*(.*)")
 _LOCATOR = re.compile(rf"{_CODE}\s+\S+\s*(.*)")
 _CUT = re.compile(rf"([0-9a-f]{{16}})\s+{_CODE}")
@@ -74,12 +75,15 @@ class _Reader:
                 self.notes.append(f"a change of speed in line {number}")
                 if events:
                     events[-1][2]["M2"] = line
+            elif _NUMBERED.match(line):
+                what = "begins as an event and is none that can be read"
+                raise DocumentError(what, where=f"{self._path}, line {number}", remedy="Correct it, or export again")
         if not events:
             raise DocumentError("has no events", where=str(self._path), remedy=f"Check that it is {WHAT}")
-        pictures = [event for event in events if event[0][3] in ("V", "B") or event[0][3].startswith("AA/V")]
+        pictures = [event for event in events if "V" in event[0][3] or event[0][3] == "B"]
         if zero is None and pictures:
             zero = self._count(pictures[0][0][8], pictures[0][1])
-        following = [*(event for event, _, _ in pictures[1:]), None]
+        following = [*(event for event, _, _ in pictures[1:]), None][: len(pictures)]
         clips = [
             clip
             for event, after in zip(pictures, following, strict=True)
@@ -107,16 +111,20 @@ class _Reader:
         start += late
         if after is not None and after[8] == event[9]:
             stop += _half(after)
-        if reel in _BLACK or start >= stop:
+        name = said.get("FROM CLIP NAME", "")
+        if start >= stop or (reel in _BLACK and not name):
             return
+        if reel in _BLACK:  # black bears no name: this was made in the editor
+            self.notes.append(f"the clip {name!r} at frame {start}, which has no reel")
         yield FoundClip(
-            name=said.get("FROM CLIP NAME", ""),
+            name=name,
             range=FrameRange(start, stop),
             layer=0,
             path=said.get("SOURCE FILE", said.get("FROM FILE", "")),
             reel=reel,
             source_s=source / self._rate,
             retimed="M2" in said,
+            unread=reel in _BLACK,
         )
 
     def _since(self, zero: int, count: int) -> int:

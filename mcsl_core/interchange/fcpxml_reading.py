@@ -19,6 +19,7 @@ _BUNDLE = "Info.fcpxml"
 _TIME = re.compile(r"([+-]?\d{1,20})(?:/(\d{1,20}))?s")
 _STORY = ("mc-clip", "asset-clip", "clip", "video", "ref-clip", "sync-clip", "title", "audition", "spine", "gap")
 _KNOWN = ("mc-clip", "asset-clip", "clip", "video")
+_UNREAD = ("title", "ref-clip", "sync-clip", "audition")
 _EFFECTS = (
     "timeMap",
     "filter-video",
@@ -94,7 +95,7 @@ class _Reader:
             if item.tag == "transition":
                 self.notes.append(f"a transition at frame {self._frame(self._time(item, 'offset', at_s) - begin_s)}")
             elif item.tag in _STORY:
-                offset_s = self._time(item, "offset", at_s)
+                offset_s = self._offset(item, at_s)
                 self._item(item, offset_s - begin_s, layer)
                 at_s = offset_s + self._lasts(item)
 
@@ -102,17 +103,17 @@ class _Reader:
         """One item that begins ``at_s`` after the sequence's start, and what is connected to it."""
         start_s = self._start(item)
         lasts_s = self._lasts(item)
-        if item.tag in _KNOWN and self._shows(item):
+        if self._is_unread(item):
+            self._unread(item, at_s, lasts_s, layer)
+        elif item.tag in _KNOWN and self._shows(item):
             self._clip(item, at_s, lasts_s, layer)
-        elif item.tag in ("title", "ref-clip", "sync-clip", "audition"):
-            self.notes.append(f"a {item.tag} {item.get('name', '')!r} at frame {self._frame(at_s)}")
         for child in item:
             if child.tag == "marker" or child.tag == "chapter-marker":
                 at = self._frame(at_s + self._time(child, "start") - start_s)
                 self._markers.append((at, child.get("value", "")))
             elif child.tag in _STORY and child.get("lane") is not None:
                 lane = layer + self._lane(child)
-                below_s = at_s + self._time(child, "offset") - start_s
+                below_s = at_s + self._offset(child, Fraction(0)) - start_s
                 if child.tag == "spine":
                     self._spine_at(child, below_s, lane)
                 else:
@@ -123,8 +124,25 @@ class _Reader:
 
     def _spine_at(self, spine: ET.Element, at_s: Fraction, layer: int) -> None:
         first = next((item for item in spine if item.tag in _STORY), None)
-        begin_s = Fraction(0) if first is None else self._time(first, "offset")
+        begin_s = Fraction(0) if first is None else self._offset(first, Fraction(0))
         self._spine(spine, begin_s - at_s, layer)
+
+    def _is_unread(self, item: ET.Element) -> bool:
+        """Whether an item shows what is not read: nested, a title or generator."""
+        if item.tag == "clip":  # of one medium, or of a storyline of its own
+            return not any(child.tag in ("video", "asset-clip", "audio") for child in item)
+        resource = self._resources.get(item.get("ref", ""))
+        return item.tag in _UNREAD or (resource is not None and resource.tag == "effect")
+
+    def _unread(self, item: ET.Element, at_s: Fraction, lasts_s: Fraction, layer: int) -> None:
+        start, stop = self._frame(at_s), self._frame(at_s + lasts_s)
+        self.notes.append(f"a {item.tag} {item.get('name', '')!r} at frame {start}")
+        if 0 <= start < stop and item.get("srcEnable") != "audio":
+            shown = item.get("enabled", "1") != "0"
+            piece = FrameRange(start, stop)
+            self._clips.append(
+                FoundClip(name=item.get("name", ""), range=piece, layer=layer, enabled=shown, unread=True)
+            )
 
     def _clip(self, item: ET.Element, at_s: Fraction, lasts_s: Fraction, layer: int) -> None:
         source = item if item.tag != "clip" else next((c for c in item if c.tag in ("video", "asset-clip")), item)
@@ -182,9 +200,22 @@ class _Reader:
         return self._multicam_start(resource) if resource.tag == "media" else self._time(resource, "start")
 
     def _lasts(self, item: ET.Element) -> Fraction:
-        if item.get("duration") is None and item.get("ref") in self._resources:
-            return self._time(self._resources[item.get("ref", "")], "duration")
-        return self._time(item, "duration")
+        """An item's length: that of what it refers to, or of the first of an audition, where it does not say."""
+        if item.get("duration") is not None:
+            return self._time(item, "duration")
+        resource = self._resources.get(item.get("ref", ""))
+        if resource is not None:
+            angles = [sum(map(self._lasts, angle), Fraction(0)) for angle in resource.findall("./multicam/mc-angle")]
+            sequence = resource.find("sequence")
+            return max(angles) if angles else self._time(resource if sequence is None else sequence, "duration")
+        picked = _picked(item)
+        return Fraction(0) if picked is None else self._lasts(picked)
+
+    def _offset(self, item: ET.Element, otherwise: Fraction) -> Fraction:
+        picked = _picked(item)
+        if item.get("offset") is None and picked is not None:
+            return self._time(picked, "offset", otherwise)
+        return self._time(item, "offset", otherwise)
 
     def _lane(self, item: ET.Element) -> int:
         try:
@@ -206,3 +237,8 @@ class _Reader:
 
     def _fault(self, what: str) -> DocumentError:
         return DocumentError(what, where=str(self._path), remedy="Export it again from the editor")
+
+
+def _picked(item: ET.Element) -> ET.Element | None:
+    """What an audition shows; None of other items."""
+    return next((child for child in item if child.tag in _STORY), None) if item.tag == "audition" else None

@@ -61,6 +61,8 @@ class FoundClip:
         What it shows in truth, where its own place is said in the time of another file; else None.
     retimed
         Whether it runs at another speed, or backwards.
+    unread
+        Whether it is of a kind that is not read, nested or a title: who found it has named it.
     transform
         Where its picture lies; None where it is not said.
     """
@@ -72,10 +74,11 @@ class FoundClip:
     angle: str | None = None
     path: str = ""
     reel: str = ""
-    source_s: Fraction
+    source_s: Fraction = Fraction(0)
     zero_s: Fraction | None = None
     active: Reference | None = None
     retimed: bool = False
+    unread: bool = False
     transform: Transform | None = None
 
     def __str__(self) -> str:

@@ -72,8 +72,7 @@ class _Reader:
             if kind == "Transition":
                 self.notes.append(f"a transition at frame {at}")
                 continue
-            span = child.get("source_range") or _available(child)
-            lasts_s = seconds(span["duration"])
+            lasts_s = _lasts(child)
             stop = bounded(round((at_s + lasts_s) * self._rate))
             name = str(child.get("name", ""))
             for effect in child.get("effects", ()):
@@ -83,6 +82,8 @@ class _Reader:
                 yield from self._clip(child, FrameRange(at, stop), layer, shown)
             elif kind not in ("Clip", "Gap"):
                 self.notes.append(f"a {kind} {name!r} at frame {at}")
+                if at < stop:
+                    yield self._unread(child, FrameRange(at, stop), layer, shown)
             at_s += lasts_s
 
     def _clip(self, clip: dict[str, Any], piece: FrameRange, layer: int, shown: bool) -> Iterator[FoundClip]:
@@ -93,6 +94,7 @@ class _Reader:
         span = clip.get("source_range") or _available(clip)
         if {_kind(medium), _kind(active)} != {"ExternalReference"}:
             self.notes.append(f"the clip {clip.get('name', '')!r} at frame {piece.start}, which has no file")
+            yield self._unread(clip, piece, layer, shown)
             return
         at = _reference(medium)
         yield FoundClip(
@@ -107,6 +109,10 @@ class _Reader:
             active=_reference(active) if key is not None else None,
             retimed=any(_retimes(effect) for effect in clip.get("effects", ())),
         )
+
+    def _unread(self, child: dict[str, Any], piece: FrameRange, layer: int, shown: bool) -> FoundClip:
+        enabled = bool(shown and child.get("enabled", True))
+        return FoundClip(name=str(child.get("name", "")), range=piece, layer=layer, enabled=enabled, unread=True)
 
     def _frames(self, time: dict[str, Any]) -> int:
         return bounded(round(seconds(time) * self._rate))
@@ -157,6 +163,16 @@ def _active(clip: dict[str, Any]) -> tuple[str | None, dict[str, Any]]:
 
 
 def _available(clip: dict[str, Any]) -> dict[str, Any]:
-    if _kind(clip) != "Clip":
-        raise ValueError(f"a {_kind(clip)} has no source_range")
     return _active(clip)[1]["available_range"]
+
+
+def _lasts(child: dict[str, Any]) -> Fraction:
+    """How long something in a track lasts; what is nested lasts as long as what lies in it."""
+    if span := child.get("source_range"):
+        return seconds(span["duration"])
+    if _kind(child) == "Clip":
+        return seconds(_available(child)["duration"])
+    if _kind(child) not in ("Stack", "Track"):
+        raise ValueError(f"a {_kind(child)} has no source_range")
+    inside = [_lasts(one) for one in child["children"] if _kind(one) != "Transition"]
+    return bounded(max(inside, default=Fraction(0)) if _kind(child) == "Stack" else sum(inside, Fraction(0)))

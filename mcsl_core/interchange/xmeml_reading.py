@@ -55,7 +55,7 @@ class _Reader:
     def read(self) -> FoundCut:
         clips: list[FoundClip] = []
         for layer, track in enumerate(self._sequence.findall("./media/video/track")):
-            shown = track.findtext("enabled", "TRUE").strip().upper() != "FALSE"
+            shown = _is_enabled(track)
             items = list(track)
             for index, item in enumerate(items):
                 if item.tag == "clipitem":
@@ -63,8 +63,9 @@ class _Reader:
                 elif item.tag == "transitionitem":
                     self.notes.append(f"a transition at frame {self._number(item, 'start')}")
                 elif item.tag == "generatoritem":
-                    name, at = item.findtext("name", ""), self._number(item, "start")
-                    self.notes.append(f"a title or generator {name!r} at frame {at}")
+                    start, stop, _ = self._ends(items, index)
+                    self.notes.append(f"a title or generator {item.findtext('name', '')!r} at frame {start}")
+                    clips += self._unread(item, start, stop, layer, shown)
         markers = [(self._number(m, "in"), m.findtext("name", "")) for m in self._sequence.findall("marker")]
         origin = ORIGIN.search(" ".join(self._sequence.itertext()))
         assert self._rate is not None
@@ -87,7 +88,7 @@ class _Reader:
         file = item.find("file")
         if file is None:
             self.notes.append(f"the clip {name!r} at frame {start}, which is nested or a multiclip")
-            return []
+            return self._unread(item, start, stop, layer, shown)
         assert self._rate is not None
         rate = self._rate_of(item) or self._rate
         described = self._files.get(file.get("id"), file)
@@ -96,7 +97,7 @@ class _Reader:
                 name=name,
                 range=FrameRange(start, stop),
                 layer=layer,
-                enabled=shown and item.findtext("enabled", "TRUE").strip().upper() != "FALSE",
+                enabled=shown and _is_enabled(item),
                 path=path_of(described.findtext("pathurl", "").strip()),
                 source_s=self._number(item, "in") / rate + late / self._rate,
                 zero_s=Fraction(0),
@@ -104,6 +105,14 @@ class _Reader:
                 transform=self._motion(item),
             )
         ]
+
+    def _unread(self, item: ET.Element, start: int, stop: int, layer: int, shown: bool) -> list[FoundClip]:
+        """What is seen of an item that is not read: that there is something."""
+        if not 0 <= start < stop:
+            return []
+        enabled = shown and _is_enabled(item)
+        piece = FrameRange(start, stop)
+        return [FoundClip(name=item.findtext("name", ""), range=piece, layer=layer, enabled=enabled, unread=True)]
 
     def _motion(self, item: ET.Element) -> Transform | None:
         """Where Basic Motion puts the picture, in pixels of the sequence; None without it, or where it moves."""
@@ -166,6 +175,10 @@ class _Reader:
 
     def _fault(self, what: str) -> DocumentError:
         return DocumentError(what, where=str(self._path), remedy="Export it again from the editor")
+
+
+def _is_enabled(element: ET.Element) -> bool:
+    return element.findtext("enabled", "TRUE").strip().upper() != "FALSE"
 
 
 def _retimes(effect: ET.Element) -> bool:

@@ -125,7 +125,20 @@ def test_of_a_clip_at_another_speed_nothing_is_read_and_it_is_named(suffix, tmp_
     made = film(RATE, 90)
     changes = read(made, suffix, sped(suffix, FORMATS[suffix].write(made.cut(sound=None))), tmp_path)
     assert (changes.cameras, changes.removed) == ((), ())
-    assert len(changes.notes) == 1
+    assert len(changes.notes) == 2
+    assert changes.notes[1].startswith("frames [30, 60), in whose place")
+
+
+def test_of_a_clip_played_faster_no_frame_is_removed(tmp_path):
+    """Half as long at twice the speed: it ends with the shot, though its length reaches to the middle alone."""
+    made = film(RATE, 90)
+    root = by_lxml(FORMATS[".fcpxml"].write(made.cut()))
+    _, second, third = root.findall(".//spine/mc-clip")
+    second.set("duration", "15/25s")
+    third.set("offset", f"{3600 * 25 + 45}/25s")
+    etree.SubElement(second, "timeMap")
+    changes = read(made, ".fcpxml", etree.tostring(root), tmp_path)
+    assert (changes.cameras, changes.removed) == ((), ())
 
 
 def test_at_a_speed_of_a_hundred_percent_it_is_read(tmp_path):
