@@ -16,6 +16,7 @@ from mcsl_core.errors import DocumentError
 from mcsl_core.timing import FrameRange, format_time, joined, merge_equal
 
 from .found import FoundCut
+from .heard import sound_notes
 from .model import OVERRIDE
 from .model import Sequence as Cut
 from .origin import pairs
@@ -91,7 +92,8 @@ def find_changes(cut: Cut, found: FoundCut, layout: Layout) -> Changes:
     new = joined(removed)
     holes = joined([*removed, *(p for p, gone in out if gone is not None)])  # what is missing in one place
     covered = [piece for piece in new if seen.may_be_covered(next(h for h in holes if piece.start in h))]
-    notes = (*found.notes, *seen.notes(), *map(_cover_note, covered), *_marker_notes(cut, found))
+    heard = sound_notes(cut, found, placer, seen, [piece for piece, camera in was if camera is not None])
+    notes = (*found.notes, *seen.notes(), *heard, *map(_cover_note, covered), *_marker_notes(cut, found))
     left = tuple(piece for piece in new if piece not in covered)
     return Changes(tuple(merge_equal(cameras)), left, tuple(joined(brought_back)), notes)
 

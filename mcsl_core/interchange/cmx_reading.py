@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from fractions import Fraction
+from itertools import zip_longest
 from pathlib import Path
 
 from mcsl_core.errors import DocumentError, UsageError
@@ -17,6 +18,8 @@ from .timecode import count_of, day_s, may_drop
 WHAT = "an edit decision list (CMX3600)"
 _CODE = r"(\d{2}:\d{2}:\d{2}[:;.,]\d{2})"
 _EVENT = re.compile(rf"(\d+)\s+(\S.*?)\s+(\S+)\s+([CDWK]\S*)\s+(?:(\S+)\s+)?{_CODE}\s+{_CODE}\s+{_CODE}\s+{_CODE}")
+_NUMBERED_TRACK = re.compile(r"V[1-9]\d?")
+_LEVEL = re.compile(r"\*?\s*AUDIO LEVEL AT (\S+) IS ([-+ ]*\d+(?:\.\d+)?) DB.*", re.IGNORECASE)
 _NUMBERED = re.compile(r"\d{3,}\s")
 _COMMENT = re.compile(r"\*?\s*(FROM CLIP NAME|SOURCE FILE|FROM FILE|LOC|MCSL CUT SHOWN|MCSL CUT)\s*:\s*(.*)")
 _LOCATOR = re.compile(rf"{_CODE}\s+\S+\s*(.*)")
@@ -71,6 +74,9 @@ class _Reader:
                     markers.append((self._count(locator[1], self._drop, number), locator[2]))
                 elif events:
                     events[-1][2][name] = text
+            elif level := _LEVEL.fullmatch(line):
+                if set(level[2]) & set("123456789"):
+                    self.notes.append(f"a level of the sound of {level[2].strip()} dB at {level[1]}")
             elif line.startswith("M2"):
                 self.notes.append(f"a change of speed in line {number}")
                 if events:
@@ -80,30 +86,33 @@ class _Reader:
                 raise DocumentError(what, where=f"{self._path}, line {number}", remedy="Correct it, or export again")
         if not events:
             raise DocumentError("has no events", where=str(self._path), remedy=f"Check that it is {WHAT}")
+        self.notes += [f"the transition {event[4]} of event {event[1]}" for event, _, _ in events if event[4] != "C"]
         pictures = [event for event in events if "V" in event[0][3] or event[0][3] == "B"]
         if zero is None and pictures:
             zero = self._count(pictures[0][0][8], pictures[0][1])
-        following = [*(event for event, _, _ in pictures[1:]), None][: len(pictures)]
-        clips = [
-            clip
-            for event, after in zip(pictures, following, strict=True)
-            for clip in self._clip(*event, zero or 0, after)
-        ]
+        clips = tuple(self._clips(pictures, zero or 0))
+        unread = [clip for clip in clips if clip.unread]
+        self.notes += [f"the clip {clip.name!r} at frame {clip.range.start}, which has no reel" for clip in unread]
+        heard = [event for event in events if "A" in event[0][3] or event[0][3] == "B"]
         return FoundCut(
             rate=self._rate,
-            clips=tuple(clips),
+            clips=clips,
+            sounds=tuple(self._clips(heard, zero or 0)),
             markers=tuple((self._since(zero or 0, at), name) for at, name in markers),
             origin=" ".join([basis, *shown]) if basis else "",
             notes=tuple(self.notes),
         )
 
+    def _clips(self, events: list[_Event], zero: int) -> Iterator[FoundClip]:
+        for (event, drop, said), (after, _, _) in zip_longest(events, events[1:], fillvalue=(None, False, {})):
+            assert event is not None  # there are fewer that follow
+            yield from self._clip(event, drop, said, zero, after)
+
     def _clip(
         self, event: re.Match[str], drop: bool, said: dict[str, str], zero: int, after: re.Match[str] | None
     ) -> Iterator[FoundClip]:
         """An event's clip; under a transition into it, or into the one ``after`` it, the cut is in the middle."""
-        number, reel, _, kind = event.groups()[:4]
-        if kind != "C":
-            self.notes.append(f"the transition {kind} of event {number}")
+        reel, track = event[2], event[3]
         marked = ";" in event[8]  # then a label without it is none of drop-frame, whatever the list says
         late = _half(event)
         source = self._count(event[6], drop and not marked) + late
@@ -114,17 +123,15 @@ class _Reader:
         name = said.get("FROM CLIP NAME", "")
         if start >= stop or (reel in _BLACK and not name):
             return
-        if reel in _BLACK:  # black bears no name: this was made in the editor
-            self.notes.append(f"the clip {name!r} at frame {start}, which has no reel")
         yield FoundClip(
             name=name,
             range=FrameRange(start, stop),
-            layer=0,
+            layer=int(track[1:]) if _NUMBERED_TRACK.fullmatch(track) else 1,
             path=said.get("SOURCE FILE", said.get("FROM FILE", "")),
             reel=reel,
             source_s=source / self._rate,
             retimed="M2" in said,
-            unread=reel in _BLACK,
+            unread=reel in _BLACK,  # black bears no name: this was made in the editor
         )
 
     def _since(self, zero: int, count: int) -> int:

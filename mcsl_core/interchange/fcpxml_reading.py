@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
+from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
 
@@ -17,19 +18,16 @@ from .xml_text import path_of, read_xml
 WHAT = "an FCPXML document"
 _BUNDLE = "Info.fcpxml"
 _TIME = re.compile(r"([+-]?\d{1,20})(?:/(\d{1,20}))?s")
-_STORY = ("mc-clip", "asset-clip", "clip", "video", "ref-clip", "sync-clip", "title", "audition", "spine", "gap")
-_KNOWN = ("mc-clip", "asset-clip", "clip", "video")
-_UNREAD = ("title", "ref-clip", "sync-clip", "audition")
-_EFFECTS = (
-    "timeMap",
-    "filter-video",
-    "filter-video-mask",
-    "adjust-crop",
-    "adjust-corners",
-    "adjust-stabilization",
-    "adjust-transform",
-    "adjust-volume",
-)
+_KNOWN = ("mc-clip", "asset-clip", "clip", "video", "audio")
+_UNREAD = ("title", "ref-clip", "sync-clip", "audition", "live-drawing")
+_STORY = (*_KNOWN, *_UNREAD, "spine", "gap", "caption")
+_SOUND_SOURCES = ("audio-channel-source", "audio-role-source")
+_UNTOUCHED = {  # what editors write of clips that nobody touched
+    "adjust-transform": {"position": "0 0", "scale": "1 1", "rotation": "0", "anchor": "0 0"},
+    "adjust-volume": {"amount": "0dB"},
+    "adjust-blend": {"amount": "1"},
+    "adjust-conform": {"type": "fit"},
+}
 
 
 def read_fcpxml(path: Path) -> FoundCut:
@@ -67,6 +65,7 @@ class _Reader:
             raise self._fault("the sequence has no format with a frameDuration")
         self._rate = 1 / duration
         self._clips: list[FoundClip] = []
+        self._sounds: list[FoundClip] = []
         self._markers: list[tuple[int, str]] = []
         self.notes: list[str] = []
 
@@ -83,6 +82,7 @@ class _Reader:
         return FoundCut(
             rate=self._rate,
             clips=tuple(self._clips),
+            sounds=tuple(self._sounds),
             markers=tuple(self._markers),
             origin=origin[1] if origin else "",
             notes=tuple(self.notes),
@@ -105,8 +105,11 @@ class _Reader:
         lasts_s = self._lasts(item)
         if self._is_unread(item):
             self._unread(item, at_s, lasts_s, layer)
-        elif item.tag in _KNOWN and self._shows(item):
-            self._clip(item, at_s, lasts_s, layer)
+        elif item.tag == "caption":
+            self.notes.append(f"a caption at frame {self._frame(at_s)}")
+        elif item.tag in _KNOWN:
+            self._pictures(item, at_s, lasts_s, layer)
+            self._sound(item, at_s, lasts_s, layer)
         for child in item:
             if child.tag == "marker" or child.tag == "chapter-marker":
                 at = self._frame(at_s + self._time(child, "start") - start_s)
@@ -119,7 +122,7 @@ class _Reader:
                 else:
                     self._item(child, below_s, lane)
             for effect in (child, *(child if child.tag == "mc-source" else ())):
-                if effect.tag in _EFFECTS:
+                if _is_effect(effect):
                     self.notes.append(f"{effect.tag} of {item.get('name', '')!r} at frame {self._frame(at_s)}")
 
     def _spine_at(self, spine: ET.Element, at_s: Fraction, layer: int) -> None:
@@ -144,47 +147,76 @@ class _Reader:
                 FoundClip(name=item.get("name", ""), range=piece, layer=layer, enabled=shown, unread=True)
             )
 
-    def _clip(self, item: ET.Element, at_s: Fraction, lasts_s: Fraction, layer: int) -> None:
-        source = item if item.tag != "clip" else next((c for c in item if c.tag in ("video", "asset-clip")), item)
-        resource = self._resources.get(source.get("ref", ""))
+    def _pictures(self, item: ET.Element, at_s: Fraction, lasts_s: Fraction, layer: int) -> None:
+        sources = [child for child in item if child.tag in ("video", "asset-clip")] if item.tag == "clip" else [item]
+        source = next((one for one in sources if self._has(one, "hasVideo")), None)
+        if source is None or item.tag == "audio" or item.get("srcEnable") == "audio":
+            return
         start, stop = self._frame(at_s), self._frame(at_s + lasts_s)
         if not 0 <= start < stop:
             self.notes.append(f"the clip {item.get('name', '')!r} before the sequence's start, or of no length")
             return
-        angle, path, zero_s = None, "", None
-        if item.tag == "mc-clip":
-            angle, zero_s = self._angle(item, resource), self._multicam_start(resource)
+        angle = next(self._angles(item, "video"), "") if item.tag == "mc-clip" else None
+        self._clips.append(self._found(item, source, FrameRange(start, stop), self._start(item), layer, angle))
+
+    def _sound(self, item: ET.Element, at_s: Fraction, lasts_s: Fraction, layer: int) -> None:
+        """What is heard of an item: its sound may begin and end elsewhere than its picture."""
+        inside = [*item, *(deeper for child in item if child.tag == "video" for deeper in child)]
+        sources = [one for one in inside if one.tag in ("audio", "asset-clip")] if item.tag == "clip" else [item]
+        source = next((one for one in sources if self._has(one, "hasAudio")), None)
+        if source is None or item.tag == "video" or item.get("srcEnable") == "video":
+            return
+        first_s = self._time(item, "audioStart", self._start(item))
+        at_s += first_s - self._start(item)
+        start, stop = self._frame(at_s), self._frame(at_s + self._time(item, "audioDuration", lasts_s))
+        if not 0 <= start < stop:
+            self.notes.append(f"the sound of {item.get('name', '')!r} before the sequence's start, or of no length")
+            return
+        for angle in self._angles(item, "audio") if item.tag == "mc-clip" else [None]:
+            self._sounds.append(self._found(item, source, FrameRange(start, stop), first_s, layer, angle))
+
+    def _found(
+        self, item: ET.Element, source: ET.Element, piece: FrameRange, start_s: Fraction, layer: int, angle: str | None
+    ) -> FoundClip:
+        """An item that shows or sounds what ``source`` refers to, from ``start_s`` in the item's time on."""
+        resource = self._resources.get(source.get("ref", ""))
+        path, zero_s = "", None
+        if angle is not None:
+            zero_s = self._multicam_start(resource)
         elif resource is not None:
             rep = resource.find("media-rep")
             path = path_of(resource.get("src", "") if rep is None else rep.get("src", ""))
             zero_s = self._time(resource, "start")
-        start_s = self._start(item)
         if source is not item:  # a clip's own time is that of what lies in it
             start_s += self._start(source) - self._time(source, "offset")
-        self._clips.append(
-            FoundClip(
-                name=item.get("name", ""),
-                range=FrameRange(start, stop),
-                layer=layer,
-                enabled=item.get("enabled", "1") != "0",
-                angle=angle,
-                path=path,
-                source_s=start_s,
-                zero_s=zero_s,
-                retimed=item.find("timeMap") is not None,
-            )
+        return FoundClip(
+            name=item.get("name", ""),
+            range=piece,
+            layer=layer,
+            enabled=item.get("enabled", "1") != "0",
+            angle=angle,
+            path=path,
+            source_s=start_s,
+            zero_s=zero_s,
+            retimed=item.find("timeMap") is not None,
         )
 
-    def _shows(self, item: ET.Element) -> bool:
-        resource = self._resources.get(item.get("ref", ""))
-        silent = resource is not None and resource.tag == "asset" and resource.get("hasVideo") != "1"
-        return item.get("srcEnable") != "audio" and not silent
+    def _has(self, source: ET.Element, what: str) -> bool:
+        """Whether what an item refers to has pictures or sound."""
+        resource = self._resources.get(source.get("ref", ""))
+        return resource is None or resource.tag != "asset" or resource.get(what) == "1"
 
-    def _angle(self, item: ET.Element, media: ET.Element | None) -> str:
-        shown = [s.get("angleID") for s in item.findall("mc-source") if s.get("srcEnable", "all") in ("all", "video")]
+    def _angles(self, item: ET.Element, what: str) -> Iterator[str]:
+        """The names of the angles that an mc-clip shows, or lets hear; of one that says nothing, the first."""
+        media = self._resources.get(item.get("ref", ""))
         angles = [] if media is None else media.findall("./multicam/mc-angle")
-        wanted = shown[0] if shown else (angles[0].get("angleID") if angles else None)
-        return next((a.get("name", "") for a in angles if a.get("angleID") == wanted), "")
+        names = {angle.get("angleID"): angle.get("name", "") for angle in angles}
+        sources = item.findall("mc-source")
+        for source in sources:
+            if source.get("srcEnable", "all") in ("all", what):
+                yield names.get(source.get("angleID"), "")
+        if not sources:
+            yield from list(names.values())[:1]
 
     def _multicam_start(self, media: ET.Element | None) -> Fraction:
         multicam = None if media is None else media.find("multicam")
@@ -242,3 +274,16 @@ class _Reader:
 def _picked(item: ET.Element) -> ET.Element | None:
     """What an audition shows; None of other items."""
     return next((child for child in item if child.tag in _STORY), None) if item.tag == "audition" else None
+
+
+def _is_effect(element: ET.Element) -> bool:
+    """Whether an element changes how a clip looks or sounds; what editors write of every clip does not."""
+    if element.tag in _SOUND_SOURCES:
+        off = "0" in (element.get("enabled"), element.get("active"))
+        return off or any(child.tag == "mute" or _is_effect(child) for child in element)
+    if element.tag == "adjust-colorConform" or not element.tag.startswith(("adjust-", "filter-", "timeMap")):
+        return False
+    plain = _UNTOUCHED.get(element.tag)
+    if plain is None or len(element):
+        return True
+    return any(value != plain.get(name) for name, value in element.attrib.items())

@@ -35,7 +35,7 @@ class Reference:
 
 @frozen(kw_only=True)
 class FoundClip:
-    """A clip of pictures.
+    """A clip of pictures, or of sound.
 
     Attributes
     ----------
@@ -63,6 +63,8 @@ class FoundClip:
         Whether it runs at another speed, or backwards.
     unread
         Whether it is of a kind that is not read, nested or a title: who found it has named it.
+    channel
+        Of sound, which of the file's is heard, from 1; 0 for all.
     transform
         Where its picture lies; None where it is not said.
     """
@@ -79,6 +81,7 @@ class FoundClip:
     active: Reference | None = None
     retimed: bool = False
     unread: bool = False
+    channel: int = 0
     transform: Transform | None = None
 
     def __str__(self) -> str:
@@ -95,6 +98,8 @@ class FoundCut:
         Frames a second.
     clips
         Of pictures.
+    sounds
+        Clips of sound.
     markers
         (frame, name) of each, in frames from the sequence's start.
     origin
@@ -105,6 +110,7 @@ class FoundCut:
 
     rate: Fraction
     clips: tuple[FoundClip, ...]
+    sounds: tuple[FoundClip, ...] = ()
     markers: tuple[tuple[int, str], ...] = ()
     origin: str = ""
     notes: tuple[str, ...] = field(default=())

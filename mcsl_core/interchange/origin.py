@@ -2,7 +2,8 @@
 
 A digest of the automatic choice; one of what was shown; the stretches in which overrides showed another camera, as
 ``start-stop:camera`` with the camera's number in the EDL; and those that were removed, as ``xstart-stop``. The second
-digest tells whether they came back whole.
+digest tells whether they came back whole. Last stands what was heard: ``a`` with the angle's number, ``ax`` what is
+conformed, ``a-`` nothing.
 """
 
 from __future__ import annotations
@@ -24,8 +25,10 @@ from .painting import beside
 
 _MOST_LETTERS = 40_000  # no editor says how much a note holds
 _DIGEST = "[0-9a-f]{16}"
-ORIGIN = re.compile(rf"mcsl cut ({_DIGEST}(?:\s+{_DIGEST}(?:\s+(?:\d+-\d+:\d+|x\d+-\d+))*)?)")
+ORIGIN = re.compile(rf"mcsl cut ({_DIGEST}(?:\s+{_DIGEST}(?:\s+(?:\d+-\d+:\d+|x\d+-\d+|a(?:\d+|x|-)))*)?)")
 _STRETCH = re.compile(r"(\d{1,15})-(\d{1,15}):(\d{1,9})")
+_SOUND = re.compile(r"a(\d{1,9}|x|-)")
+CONFORMED = " "  # in the place of a camera: no camera is called so
 _REMOVED = re.compile(r"x(\d{1,15})-(\d{1,15})")
 
 
@@ -67,6 +70,20 @@ def origin_of(edl: Edl) -> str:
     words = [*said, *(f"{piece.start}-{piece.stop}:{number[camera]}" for piece, camera in decided)]
     whole = " ".join([*words, *(f"x{piece.start}-{piece.stop}" for piece in edl.removed)])
     return whole if len(whole) <= _MOST_LETTERS else " ".join(said)
+
+
+def with_sound(origin: str, heard: str | None, cameras: Sequence[str]) -> str:
+    """``origin`` with what is heard: of the camera, in the order of the angles, `CONFORMED`, or nothing."""
+    word = "-" if heard is None else "x" if heard == CONFORMED else cameras.index(heard)
+    return f"{origin} a{word}"
+
+
+def sound_in(origin: str, cameras: Sequence[str]) -> str | None:
+    """What was heard, as `with_sound` says it; empty where nothing was, None where it does not say so."""
+    said = next((match[1] for word in origin.split() if (match := _SOUND.fullmatch(word))), None)
+    if said is None or said in "x-":
+        return None if said is None else CONFORMED if said == "x" else ""
+    return cameras[int(said)] if int(said) < len(cameras) else None
 
 
 def exported(origin: str, edl: Edl) -> Exported | None:

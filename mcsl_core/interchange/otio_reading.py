@@ -42,7 +42,10 @@ class _Reader:
         if _kind(document) != "Timeline":
             raise ValueError(f"it is a {_kind(document)}, not a Timeline")
         self._timeline = document
-        self._tracks = [t for t in document["tracks"]["children"] if _kind(t) == "Track" and t["kind"] == "Video"]
+        tracks = document["tracks"]["children"]
+        self._tracks = [t for t in tracks if _kind(t) == "Track" and t["kind"] == "Video"]
+        self._sounds = [t for t in tracks if _kind(t) == "Track" and t["kind"] == "Audio"]
+        self._others = [t for t in tracks if t not in self._tracks and t not in self._sounds]
         said = document.get("metadata", {}).get(KEY, {})
         self._origin = str(said.get("cut", ""))
         start = document.get("global_start_time")
@@ -54,30 +57,38 @@ class _Reader:
 
     def read(self) -> FoundCut:
         clips = tuple(clip for layer, track in enumerate(self._tracks) for clip in self._track(track, layer))
+        sounds = tuple(clip for layer, track in enumerate(self._sounds) for clip in self._track(track, layer))
+        self.notes += [f"a {_kind(t)} {t.get('name', '')!r} beside the tracks" for t in self._others]
         marked = [
             *self._timeline["tracks"].get("markers", ()),
             *(m for t in self._tracks for m in t.get("markers", ())),
         ]
         markers = [(self._frames(m["marked_range"]["start_time"]), str(m.get("name", ""))) for m in marked]
         return FoundCut(
-            rate=self._rate, clips=clips, markers=tuple(markers), origin=self._origin, notes=tuple(self.notes)
+            rate=self._rate,
+            clips=clips,
+            sounds=sounds,
+            markers=tuple(markers),
+            origin=self._origin,
+            notes=tuple(self.notes),
         )
 
     def _track(self, track: dict[str, Any], layer: int) -> Iterator[FoundClip]:
         at_s = Fraction(0)
         shown = track.get("enabled", True)
+        of = "of the sound " if track["kind"] == "Audio" else ""
         for child in track["children"]:
             kind = _kind(child)
             at = bounded(round(at_s * self._rate))
             if kind == "Transition":
-                self.notes.append(f"a transition at frame {at}")
+                self.notes.append(f"a transition {of}at frame {at}")
                 continue
             lasts_s = _lasts(child)
             stop = bounded(round((at_s + lasts_s) * self._rate))
             name = str(child.get("name", ""))
             for effect in child.get("effects", ()):
                 what = effect.get("effect_name") or effect.get("name") or _kind(effect)
-                self.notes.append(f"{what!r} of {name!r} at frame {at}")
+                self.notes.append(f"{what!r} {of or 'of '}{name!r} at frame {at}")
             if kind == "Clip" and at < stop:
                 yield from self._clip(child, FrameRange(at, stop), layer, shown)
             elif kind not in ("Clip", "Gap"):

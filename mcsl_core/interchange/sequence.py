@@ -15,7 +15,7 @@ from mcsl_core.timing import FrameRange
 from .angles import laid_files, posed_angle
 from .model import OVERRIDE, Clip, Marker, Medium
 from .model import Sequence as Cut
-from .origin import origin_of, shots_of
+from .origin import CONFORMED, origin_of, shots_of, with_sound
 from .timecode import count_of, is_broadcast, may_drop
 
 DEFAULT_START = "01:00:00:00"
@@ -80,7 +80,7 @@ def sequence_of(edl: Edl, parts: Mapping[str, Sequence[Part]], wanted: Wanted) -
         size=edl.size,
         start=start,
         drop=drop,
-        origin=origin_of(edl),
+        origin=with_sound(origin_of(edl), _heard(sound, wanted), [camera.name for camera in order]),
         shots=shots_of(edl),
         angles=tuple(posed_angle(edl, camera, laid[camera.name]) for camera in order),
         markers=tuple(sorted(_markers(edl))),
@@ -88,6 +88,10 @@ def sequence_of(edl: Edl, parts: Mapping[str, Sequence[Part]], wanted: Wanted) -
         sound=sound,
         removed=edl.removed,
     )
+
+
+def _heard(sound: Sequence[Clip], wanted: Wanted) -> str | None:
+    return (CONFORMED if wanted.sound is not None else sound[0].camera) if sound else None
 
 
 def check_rate(rate: Fraction) -> None:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
+from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
+
+import attrs
 
 from mcsl_core.errors import DocumentError, Fault
 from mcsl_core.timing import FrameRange
@@ -16,6 +19,7 @@ from .origin import ORIGIN
 from .xml_text import path_of, read_xml
 
 WHAT = "a Final Cut Pro 7 XML document (xmeml)"
+_UNTOUCHED = {"opacity": 100, "crop": 0, "audiolevels": 1, "audiopan": 0}  # effect -> what its parameters are
 _TAKEN_UP = -1  # of a start or end that lies in a transition
 
 
@@ -66,28 +70,45 @@ class _Reader:
                     start, stop, _ = self._ends(items, index)
                     self.notes.append(f"a title or generator {item.findtext('name', '')!r} at frame {start}")
                     clips += self._unread(item, start, stop, layer, shown)
+        sounds = list(self._sounds())
         markers = [(self._number(m, "in"), m.findtext("name", "")) for m in self._sequence.findall("marker")]
         origin = ORIGIN.search(" ".join(self._sequence.itertext()))
         assert self._rate is not None
         return FoundCut(
             rate=self._rate,
             clips=tuple(clips),
+            sounds=tuple(sounds),
             markers=tuple(markers),
             origin=origin[1] if origin else "",
             notes=tuple(self.notes),
         )
 
-    def _clip(self, items: list[ET.Element], index: int, layer: int, shown: bool) -> list[FoundClip]:
+    def _sounds(self) -> Iterator[FoundClip]:
+        """The clips of sound, a channel of their file each."""
+        for layer, track in enumerate(self._sequence.findall("./media/audio/track")):
+            items = list(track)
+            for index, item in enumerate(items):
+                if item.tag == "transitionitem":
+                    self.notes.append(f"a transition of the sound at frame {self._number(item, 'start')}")
+                elif item.tag == "clipitem":
+                    for clip in self._clip(items, index, layer, _is_enabled(track), "sound"):
+                        channel = item.find("sourcetrack")
+                        number = 1 if channel is None else self._number(channel, "trackindex")
+                        yield attrs.evolve(clip, channel=number, transform=None)
+
+    def _clip(
+        self, items: list[ET.Element], index: int, layer: int, shown: bool, what: str = "clip"
+    ) -> list[FoundClip]:
         item = items[index]
         name = item.findtext("name", "")
         start, stop, late = self._ends(items, index)
         if not 0 <= start < stop:
-            self.notes.append(f"the clip {name!r} before the sequence's start, or of no length")
+            self.notes.append(f"the {what} {name!r} before the sequence's start, or of no length")
             return []
-        self._note_effects(item, name, start)
+        self._note_effects(item, repr(name) if what == "clip" else f"the {what} {name!r}", start)
         file = item.find("file")
         if file is None:
-            self.notes.append(f"the clip {name!r} at frame {start}, which is nested or a multiclip")
+            self.notes.append(f"the {what} {name!r} at frame {start}, which is nested or a multiclip")
             return self._unread(item, start, stop, layer, shown)
         assert self._rate is not None
         rate = self._rate_of(item) or self._rate
@@ -151,11 +172,11 @@ class _Reader:
         kind = transition.findtext("alignment", "center").strip().partition("-")[0]  # "start-black": from black
         return {"start": start, "end": stop}.get(kind, (start + stop) // 2)
 
-    def _note_effects(self, item: ET.Element, name: str, start: int) -> None:
+    def _note_effects(self, item: ET.Element, of: str, start: int) -> None:
         for effect in item.findall("./filter/effect"):
-            if effect.findtext("effectid", "") not in ("basic", "opacity", "crop"):
+            if not _is_untouched(effect):
                 what = effect.findtext("name", "an effect")
-                self.notes.append(f"{what!r} of {name!r} at frame {start}")
+                self.notes.append(f"{what!r} of {of} at frame {start}")
 
     def _rate_of(self, element: ET.Element) -> Fraction | None:
         rate = element.find("rate")
@@ -179,6 +200,20 @@ class _Reader:
 
 def _is_enabled(element: ET.Element) -> bool:
     return element.findtext("enabled", "TRUE").strip().upper() != "FALSE"
+
+
+def _is_untouched(effect: ET.Element) -> bool:
+    """Whether an effect is one that editors write of every clip, as it is there."""
+    kind = effect.findtext("effectid", "").strip()
+    if kind == "basic":  # is compared with how the export laid the picture
+        return True
+    parameters = effect.findall("parameter")
+    if kind not in _UNTOUCHED or any(parameter.find("keyframe") is not None for parameter in parameters):
+        return False
+    try:
+        return all(float(p.findtext("value") or _UNTOUCHED[kind]) == _UNTOUCHED[kind] for p in parameters)
+    except ValueError:
+        return False
 
 
 def _retimes(effect: ET.Element) -> bool:
