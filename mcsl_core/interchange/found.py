@@ -84,6 +84,11 @@ class FoundClip:
     channel: int = 0
     transform: Transform | None = None
 
+    @property
+    def taken_from(self) -> str:
+        """What it is taken from, for a person."""
+        return self.path or self.angle or self.reel or "what bears no file"
+
     def __str__(self) -> str:
         return f"the clip {self.name!r} at {self.range}"
 

@@ -49,8 +49,7 @@ def sound_notes(cut: Cut, found: FoundCut, placer: Placer, seen: Seen, was: Sequ
     for clip in (clip for clip in found.sounds if clip.enabled and not clip.unread):
         where = placer.place(clip)
         if where is None:
-            what = clip.path or clip.angle or clip.reel or "no file"
-            yield f"the sound {clip.name!r} at {clip.range}: {what} is none of the programme's media"
+            yield f"the sound {clip.name!r} at {clip.range}: {clip.taken_from} is none of the programme's media"
         else:
             sounds.append(_Sound(clip, CONFORMED if where.conformed else where.camera, where.start))
     own = sound_in(found.origin, [angle.camera for angle in cut.angles])

@@ -43,9 +43,9 @@ class _Reader:
             raise ValueError(f"it is a {_kind(document)}, not a Timeline")
         self._timeline = document
         tracks = document["tracks"]["children"]
-        self._tracks = [t for t in tracks if _kind(t) == "Track" and t["kind"] == "Video"]
-        self._sounds = [t for t in tracks if _kind(t) == "Track" and t["kind"] == "Audio"]
-        self._others = [t for t in tracks if t not in self._tracks and t not in self._sounds]
+        laid = [t if _kind(t) == "Track" else {"kind": "Video", "children": [t]} for t in tracks]
+        self._tracks = [t for t in laid if t["kind"] == "Video"]
+        self._sounds = [t for t in laid if t["kind"] == "Audio"]
         said = document.get("metadata", {}).get(KEY, {})
         self._origin = str(said.get("cut", ""))
         start = document.get("global_start_time")
@@ -58,7 +58,8 @@ class _Reader:
     def read(self) -> FoundCut:
         clips = tuple(clip for layer, track in enumerate(self._tracks) for clip in self._track(track, layer))
         sounds = tuple(clip for layer, track in enumerate(self._sounds) for clip in self._track(track, layer))
-        self.notes += [f"a {_kind(t)} {t.get('name', '')!r} beside the tracks" for t in self._others]
+        for whole in (self._timeline["tracks"], *self._tracks, *self._sounds):
+            self._note_whole(whole)
         marked = [
             *self._timeline["tracks"].get("markers", ()),
             *(m for t in self._tracks for m in t.get("markers", ())),
@@ -72,6 +73,13 @@ class _Reader:
             origin=self._origin,
             notes=tuple(self.notes),
         )
+
+    def _note_whole(self, whole: dict[str, Any]) -> None:
+        """What is said of a track, or of all of them, and is not read."""
+        name = str(whole.get("name", ""))
+        self.notes += [f"{_named(effect)!r} of all of {name!r}" for effect in whole.get("effects", ())]
+        if whole.get("source_range"):
+            self.notes.append(f"what {name!r} is trimmed to as a whole")
 
     def _track(self, track: dict[str, Any], layer: int) -> Iterator[FoundClip]:
         at_s = Fraction(0)
@@ -87,8 +95,9 @@ class _Reader:
             stop = bounded(round((at_s + lasts_s) * self._rate))
             name = str(child.get("name", ""))
             for effect in child.get("effects", ()):
-                what = effect.get("effect_name") or effect.get("name") or _kind(effect)
-                self.notes.append(f"{what!r} {of or 'of '}{name!r} at frame {at}")
+                self.notes.append(f"{_named(effect)!r} {of or 'of '}{name!r} at frame {at}")
+            for marker in child.get("markers", ()):
+                self.notes.append(f"the marker {marker.get('name', '')!r} of {name!r} at frame {at}")
             if kind == "Clip" and at < stop:
                 yield from self._clip(child, FrameRange(at, stop), layer, shown)
             elif kind not in ("Clip", "Gap"):
@@ -154,6 +163,10 @@ def _reference(medium: dict[str, Any]) -> Reference:
     available = medium.get("available_range")
     zero_s = seconds(available["start_time"]) if available else None
     return Reference(path_of(str(medium.get("target_url", ""))), zero_s)
+
+
+def _named(effect: dict[str, Any]) -> str:
+    return str(effect.get("effect_name") or effect.get("name") or _kind(effect))
 
 
 def _retimes(effect: dict[str, Any]) -> bool:

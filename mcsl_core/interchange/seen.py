@@ -53,15 +53,19 @@ class Seen:
         return bool(self._placed)
 
     def _lowest_of_shots(self) -> int:
-        """The lowest layer that holds shots: on those below lie the cameras, each on its own."""
+        """The lowest layer that holds shots, or what would be above all: below lie the cameras, each on its own."""
         conformed = [clip.layer for clip, where in self._placed if where.conformed]
         if conformed:
             return min(conformed)
         cameras: dict[int, set[str]] = {}
         for clip, where in self._placed:
             cameras.setdefault(clip.layer, set()).add(where.camera)
-        mixed = [layer for layer, found in cameras.items() if len(found) > 1]
-        return min(mixed, default=max(cameras, default=0))
+        below: set[str] = set()
+        for layer, found in sorted(cameras.items()):
+            if len(found) > 1 or found & below or len(cameras) == 1:
+                return layer
+            below |= found
+        return max(cameras, default=0) + 1
 
     def _visible(
         self, readable: list[tuple[FoundClip, Placed]], shots: int
@@ -102,8 +106,7 @@ class Seen:
     def notes(self) -> Iterator[str]:
         """What is seen and cannot be said in an EDL."""
         for clip in self._foreign:
-            what = clip.path or clip.angle or clip.reel or "no file"
-            yield f"{clip}: {what} is none of the programme's media"
+            yield f"{clip}: {clip.taken_from} is none of the programme's media"
         moved = [(clip, where) for clip, where in self._placed if self._is_moved(clip, where)]
         if moved:
             at = format_time(moved[0][0].range.start / self._cut.rate)

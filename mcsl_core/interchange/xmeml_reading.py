@@ -105,6 +105,8 @@ class _Reader:
         if not 0 <= start < stop:
             self.notes.append(f"the {what} {name!r} before the sequence's start, or of no length")
             return []
+        markers = [marker.findtext("name", "") for marker in item.findall("marker")]
+        self.notes += [f"the marker {marker!r} of {name!r} at frame {start}" for marker in markers]
         self._note_effects(item, repr(name) if what == "clip" else f"the {what} {name!r}", start)
         file = item.find("file")
         if file is None:

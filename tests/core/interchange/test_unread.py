@@ -253,6 +253,43 @@ def test_a_nest_above_the_hole_that_its_shot_left_hides_the_camera_below(suffix,
     assert any("frames [30, 60), in whose place" in note for note in changes.notes)
 
 
+def test_with_all_shots_nested_in_one_the_cameras_below_are_not_read(tmp_path):
+    made = film(RATE, 90)
+    timeline = by_otio(FORMATS[".otio"].write(made.cut(sound=None)))
+    timeline.tracks[3] = otio.schema.Stack("nest", [copy.deepcopy(timeline.tracks[3])])
+    root = by_lxml(FORMATS[".xml"].write(made.cut(sound=None)))
+    track = root.findall("./sequence/media/video/track")[-1]
+    nest = xmeml_item(track.find("clipitem"), "sequence")
+    nest.find("end").text = "90"
+    for item in track.findall("clipitem"):
+        track.remove(item)
+    track.append(nest)
+    for suffix, document in ((".otio", written(timeline)), (".xml", etree.tostring(root))):
+        changes = read(made, suffix, document, tmp_path)
+        assert (changes.cameras, changes.removed) == ((), ())
+        assert changes.notes[1].startswith("frames [0, 90), in whose place")
+
+
+def test_what_is_said_of_clips_and_tracks_as_a_whole_is_named(tmp_path):
+    made = film(RATE, 90)
+    timeline = by_otio(FORMATS[".otio"].write(made.cut()))
+    track = timeline.video_tracks()[-1]
+    one = otio.opentime.TimeRange(duration=otio.opentime.RationalTime(1, 25))
+    track[1].markers.append(otio.schema.Marker("look", one))
+    track.effects.append(otio.schema.Effect("soft", "Blur"))
+    timeline.tracks.source_range = otio.opentime.TimeRange(duration=otio.opentime.RationalTime(50, 25))
+    expected = (
+        "the marker 'look' of 'cam2' at frame 30",
+        "what 'tracks' is trimmed to as a whole",
+        "'Blur' of all of 'Programme'",
+    )
+    assert read(made, ".otio", written(timeline), tmp_path).notes == expected
+    root = by_lxml(FORMATS[".xml"].write(made.cut()))
+    item = root.findall("./sequence/media/video/track")[-1].findall("clipitem")[1]
+    etree.SubElement(etree.SubElement(item, "marker"), "name").text = "look"
+    assert read(made, ".xml", etree.tostring(root), tmp_path).notes == expected[:1]
+
+
 def test_what_is_cut_out_under_a_watermark_is_removed(tmp_path):
     made = film(RATE, 90)
     document = laid_over(".fcpxml", FORMATS[".fcpxml"].write(made.cut()), 0, 90)
