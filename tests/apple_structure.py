@@ -29,8 +29,12 @@ _CHILDREN = {
     "sequence": "(note )?spine ",
     "note": "",
     "spine": "(asset-clip |mc-clip )*",
-    "asset-clip": f"(adjust-transform )?{_ANCHORED}(marker )*",
-    "mc-clip": f"(mc-source )*{_ANCHORED}(marker )*",
+    "asset-clip": f"(adjust-transform )?(adjust-volume )?{_ANCHORED}(marker )*",
+    "mc-clip": f"(adjust-volume )?(mc-source )*{_ANCHORED}(marker )*",
+    "adjust-volume": "(param )*",
+    "param": "(fadeIn )?(fadeOut )?",
+    "fadeIn": "",
+    "fadeOut": "",
     "mc-source": "",
     "adjust-transform": "",
     "marker": "",
@@ -51,6 +55,10 @@ _ATTRIBUTES = {  # those that must be there come first, before a stroke
     "mc-clip": f"ref duration|{_CLIP} srcEnable",
     "mc-source": "angleID|srcEnable",
     "adjust-transform": "|position scale rotation",
+    "adjust-volume": "|amount",
+    "param": "name|value enabled",
+    "fadeIn": "duration|type",
+    "fadeOut": "duration|type",
     "marker": "start value|duration note",
 }
 _VALUES = {
@@ -60,6 +68,7 @@ _VALUES = {
     "hasVideo": "1",
     "hasAudio": "1",
     "lane": "-?[1-9][0-9]*",
+    "type": "linear|easeIn|easeOut|easeInOut",
     "kind": "original-media|proxy-media",
 }
 _TIMES = ("start", "duration", "offset", "tcStart", "frameDuration")

@@ -9,6 +9,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from mcsl_core.errors import DocumentError, Fault
+from mcsl_core.fades import FADE_FRAMES
 from mcsl_core.timing import FrameRange
 
 from .found import FoundClip, FoundCut, bounded
@@ -122,7 +123,7 @@ class _Reader:
                 else:
                     self._item(child, below_s, lane)
             for effect in (child, *(child if child.tag == "mc-source" else ())):
-                if _is_effect(effect):
+                if self._is_effect(effect):
                     self.notes.append(f"{effect.tag} of {item.get('name', '')!r} at frame {self._frame(at_s)}")
 
     def _spine_at(self, spine: ET.Element, at_s: Fraction, layer: int) -> None:
@@ -218,6 +219,28 @@ class _Reader:
         if not sources:
             yield from list(names.values())[:1]
 
+    def _is_effect(self, element: ET.Element) -> bool:
+        """Whether an element changes how a clip looks or sounds; what editors write of every clip does not."""
+        if element.tag in _SOUND_SOURCES:
+            off = "0" in (element.get("enabled"), element.get("active"))
+            return off or any(child.tag == "mute" or self._is_effect(child) for child in element)
+        if element.tag == "adjust-colorConform" or not element.tag.startswith(("adjust-", "filter-", "timeMap")):
+            return False
+        plain = _UNTOUCHED.get(element.tag)
+        if plain is None or any(value != plain.get(name) for name, value in element.attrib.items()):
+            return True
+        return not all(element.tag == "adjust-volume" and self._fades_at_seams(child) for child in element)
+
+    def _fades_at_seams(self, level: ET.Element) -> bool:
+        """Whether a level does no more than fade as the export lets it beside what is removed."""
+        most_s = FADE_FRAMES / self._rate
+        return dict(level.attrib) == {"name": "amount"} and all(
+            child.tag in ("fadeIn", "fadeOut")
+            and child.get("type") == "linear"
+            and self._time(child, "duration") <= most_s
+            for child in level
+        )
+
     def _multicam_start(self, media: ET.Element | None) -> Fraction:
         multicam = None if media is None else media.find("multicam")
         return Fraction(0) if multicam is None else self._time(multicam, "tcStart")
@@ -274,16 +297,3 @@ class _Reader:
 def _picked(item: ET.Element) -> ET.Element | None:
     """What an audition shows; None of other items."""
     return next((child for child in item if child.tag in _STORY), None) if item.tag == "audition" else None
-
-
-def _is_effect(element: ET.Element) -> bool:
-    """Whether an element changes how a clip looks or sounds; what editors write of every clip does not."""
-    if element.tag in _SOUND_SOURCES:
-        off = "0" in (element.get("enabled"), element.get("active"))
-        return off or any(child.tag == "mute" or _is_effect(child) for child in element)
-    if element.tag == "adjust-colorConform" or not element.tag.startswith(("adjust-", "filter-", "timeMap")):
-        return False
-    plain = _UNTOUCHED.get(element.tag)
-    if plain is None or len(element):
-        return True
-    return any(value != plain.get(name) for name, value in element.attrib.items())

@@ -14,6 +14,8 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from fractions import Fraction
 
+from mcsl_core.timing import FrameRange
+
 from .model import Clip, Marker, Medium, Sequence, Shot, Transform
 from .xml_text import add, document, file_url, number
 
@@ -158,7 +160,7 @@ class _Writer:
                 if (piece := begins.get(shot.range.start)) is not None:
                     for sound in filter(None, (sound.part(piece) for sound in cut.sound)):
                         offset = start + cut.seconds(sound.range.start - piece.start)
-                        self._asset_clip(clip, sound, offset, lane=-2, audioRole="dialogue")
+                        self._fades(self._asset_clip(clip, sound, offset, lane=-2, audioRole="dialogue"), sound.range)
                 self._mc_clip(clip, shot, start, lane=-1)
             while markers and markers[-1].range.start < at + len(shot.range):
                 marker = markers.pop()
@@ -176,11 +178,23 @@ class _Writer:
             **more,
         )
         heard = {sound.camera for sound in self._cut.sound} if self._cut.programme is None else set()
+        if heard:
+            self._fades(clip, shot.range)
         both = shot.camera in heard
         add(clip, "mc-source", angleID=self._angles[shot.camera], srcEnable="all" if both else "video")
         for camera in heard - {shot.camera}:
             add(clip, "mc-source", angleID=self._angles[camera], srcEnable="audio")
         return clip
+
+    def _fades(self, clip: ET.Element, piece: FrameRange) -> None:
+        """Beside what is removed the sound fades, as it does in the delivery."""
+        rises, falls = self._cut.fades(piece)
+        if not rises and not falls:
+            return
+        level = add(add(clip, "adjust-volume", amount="0dB"), "param", name="amount")
+        for name, frames in (("fadeIn", rises), ("fadeOut", falls)):
+            if frames:
+                add(level, name, type="linear", duration=time(self._cut.seconds(frames)))
 
     def _marker(self, clip: ET.Element, marker: Marker, at: Fraction) -> None:
         lasts = time(1 / self._cut.rate)

@@ -19,6 +19,7 @@ from attrs import field, frozen
 
 from mcsl_core.edl.removal import outside
 from mcsl_core.errors import Fault
+from mcsl_core.fades import FADE_FRAMES
 from mcsl_core.timing import FrameRange
 
 OVERRIDE = "override: "  # what a marker of one begins with
@@ -244,6 +245,13 @@ class Sequence:
             if (both := piece.intersection(span)) is None:
                 return
             yield both
+
+    def fades(self, span: FrameRange) -> tuple[int, int]:
+        """(frames over which sound comes back, and falls silent) in ``span`` where it begins and ends at a seam."""
+        most = min(FADE_FRAMES, len(span) // 2)
+        rises = any(piece.start == span.start for piece in self.kept[1:])
+        falls = any(piece.stop == span.stop for piece in self.kept[:-1])
+        return most * rises, most * falls
 
     def held(self, clips: Iterable[Clip]) -> Iterator[Clip]:
         """What of clips the sequence holds; those at a seam are two."""

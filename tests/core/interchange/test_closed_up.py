@@ -6,6 +6,7 @@ from fractions import Fraction
 
 import attrs
 import pytest
+from apple_structure import faults_of
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from interchange_cuts import R, film, films
@@ -105,6 +106,39 @@ def test_sound_and_markers_close_up_and_a_seam_stays_a_cut():
     assert [seconds(clip.get("start")) * 25 for clip in heard] == [0, 20]
     assert [seconds(clip.get("duration")) * 25 for clip in heard] == [10, 70]
     assert [seconds(clip.get("offset")) * 25 for clip in heard] == [0, 20]  # in their shots' own time
+
+
+@given(made=cut_films(), exact=st.booleans())
+@settings(max_examples=25)
+def test_in_fcpxml_the_sound_fades_over_two_frames_beside_what_is_removed(made, exact):
+    cut = made.cut(exact=exact)
+    assume(cut.sound)
+    root = by_lxml(FORMATS[".fcpxml"].write(cut))
+    assert faults_of(root) == []
+    heard = root.findall(".//spine/asset-clip/asset-clip[@lane='-2']") if exact else root.findall(".//spine/mc-clip")
+    assert heard
+    rate, pieces = made.edl.rate, delivered(made.edl)
+    for clip in heard:
+        lasts = seconds(clip.get("duration")) * rate
+        first = (seconds(clip.get("start")) - (0 if exact else cut.start_s)) * rate
+        fades = {fade.tag: seconds(fade.get("duration")) * rate for fade in clip.findall("./adjust-volume/param/*")}
+        most = min(2, lasts // 2)
+        expected = {}
+        if most and first in [piece.start for piece in pieces[1:]]:
+            expected["fadeIn"] = most
+        if most and first + lasts in [piece.stop for piece in pieces[:-1]]:
+            expected["fadeOut"] = most
+        assert fades == expected
+
+
+def test_a_longer_fade_is_the_editors_and_named(tmp_path):
+    made = film(Fraction(25), 90)
+    made = attrs.evolve(made, edl=remove(made.edl, R(40, 50)))
+    root = by_lxml(FORMATS[".fcpxml"].write(made.cut()))
+    [fade] = root.findall(".//fadeIn")
+    fade.set("duration", "3/25s")
+    changes = read(made, ".fcpxml", etree.tostring(root), tmp_path).changes
+    assert changes.notes == ("adjust-volume of 'cam2' at frame 40",)
 
 
 # ----------------------------------------------------------------------------------------------------- what is read
