@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import inspect
 import json
+import os
 import sys
 import types
 import typing
@@ -21,6 +22,7 @@ from typing import Any, Union, get_args, get_origin
 import attrs
 
 DOCS = Path(__file__).resolve().parent
+os.environ["LANGUAGE"] = "en"  # help is in the user's language, the pages are not
 if __name__ == "__main__":  # the tree this file stands in, whatever else is installed
     sys.path.insert(0, str(DOCS.parent))
 

@@ -16,6 +16,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 os.environ["NO_COLOR"] = "1"  # for this process and the children it starts
 os.environ.pop("FORCE_COLOR", None)
+os.environ["LANGUAGE"] = "en"  # messages are compared; who tests another language says so
 
 # A shell without job control starts what runs in its background with Ctrl-C ignored, for all children: then tests that
 # stop them waited in vain.

@@ -27,6 +27,8 @@ from rich.text import Text
 from mcsl_core.hooks.stages import STAGES
 from mcsl_core.progress import CancelToken
 
+from .language import told, word
+
 if TYPE_CHECKING:  # they import scipy and OpenCV, and bars must not wait for that
     from mcsl_core.evaluation.questionnaire import Result
     from mcsl_core.evaluation.results import Evaluation, SeenThrough
@@ -41,7 +43,7 @@ class _RateColumn(ProgressColumn):
 
     def render(self, task: Task) -> Text:
         speed = task.finished_speed or task.speed
-        unit = task.fields.get("unit") or "steps"
+        unit = word(task.fields.get("unit") or "steps")
         return Text(f"{speed:.1f} {unit}/s" if speed else "", style="progress.data.speed")
 
 
@@ -84,7 +86,7 @@ class Bars:
         self.token.check()
         assert self._rich is not None
         self._finish()
-        self._task = self._rich.add_task(name, total=total, unit=unit)
+        self._task = self._rich.add_task(told(name), total=total, unit=unit)
 
     def advance(self, done: int) -> None:
         self.token.check()
@@ -93,7 +95,7 @@ class Bars:
 
     def note(self, text: str) -> None:
         self.token.check()
-        self.console.print(Text.assemble(("note", "yellow"), " ", text))
+        self.console.print(Text.assemble((word("note"), "yellow"), " ", told(text)))
 
 
 @define
@@ -106,15 +108,15 @@ class Lines:
 
     def stage(self, name: str, total: int | None = None, unit: str = "") -> None:
         self.token.check()
-        size = f" ({total} {unit})" if total and total > 1 else ""  # units are in the plural
-        self.write(f"{time.monotonic() - self._began:7.1f} s  {name}{size}")
+        size = f" ({total} {word(unit)})" if total and total > 1 else ""  # units are in the plural
+        self.write(f"{time.monotonic() - self._began:7.1f} s  {told(name)}{size}")
 
     def advance(self, done: int) -> None:
         self.token.check()
 
     def note(self, text: str) -> None:
         self.token.check()
-        self.write(f"{time.monotonic() - self._began:7.1f} s  note: {text}")
+        self.write(f"{time.monotonic() - self._began:7.1f} s  {word('note')}: {told(text)}")
 
 
 def steadiness_table(evaluation: Evaluation, rate: Fraction) -> Group:
@@ -134,9 +136,9 @@ def steadiness_table(evaluation: Evaluation, rate: Fraction) -> Group:
     table = Table(box=None, pad_edge=False, header_style="bold")
     table.add_column("", no_wrap=True)
     for heading in headings.values():
-        table.add_column(heading, justify="right", no_wrap=True)
+        table.add_column(word(heading), justify="right", no_wrap=True)
     for prefix, scope in scopes.items():
-        table.add_row(Text("at switches" if prefix else "whole programme", style="bold"))
+        table.add_row(Text(word("at switches" if prefix else "whole programme"), style="bold"))
         for row in evaluation.measured:
             means = getattr(row, scope)
             values = [getattr(means, f"{name}_{'px' if name.startswith('av') else 'db'}") for name in headings]
@@ -144,9 +146,9 @@ def steadiness_table(evaluation: Evaluation, rate: Fraction) -> Group:
         if any(prefix + name in gains for name in headings):
             signs = [-1 if name.startswith("av") else 1 for name in headings]
             found = [gains.get(prefix + name) for name in headings]
-            told = ("-" if v is None else f"{s * v:+.0f} %" for s, v in zip(signs, found, strict=True))
-            table.add_row(Text("Auto against Manual", style="dim"), *told)
-    foot = (
+            changes = ("-" if v is None else f"{s * v:+.0f} %" for s, v in zip(signs, found, strict=True))
+            table.add_row(Text(word("Auto against Manual"), style="dim"), *changes)
+    foot = told(
         "ITF in dB: over all pixels; over the valid ones, which both frames have from a camera; over those about the "
         f"field, within {conditions.field:.0%} of the width of its middle. AvSpeed in pixels a frame: all points; "
         f"those about the field. Pictures: {width}x{height}, {conditions.picture}{sampled}. Points within shots: "
@@ -160,27 +162,27 @@ def seen_through_table(stretches: Sequence[SeenThrough], rate: Fraction) -> Tabl
     """When, how much of the field, and by whom."""
     table = Table(box=None, pad_edge=False, header_style="bold")
     for heading in ("seen through, s", "camera", "field", "at most", "as others see it"):
-        table.add_column(heading, justify="right" if heading in ("field", "at most") else "left")
+        table.add_column(word(heading), justify="right" if heading in ("field", "at most") else "left")
     for each in stretches:
-        span = f"{float(each.range.start / rate):.1f} to {float(each.range.stop / rate):.1f}"
-        told = sorted(((share, name) for name, share in each.by.items() if share >= _TOLD), reverse=True)
-        by = ", ".join(f"{name} {share:.0%}" for share, name in told)
+        span = told(f"{float(each.range.start / rate):.1f} to {float(each.range.stop / rate):.1f}")
+        named = sorted(((share, name) for name, share in each.by.items() if share >= _TOLD), reverse=True)
+        by = ", ".join(f"{name} {share:.0%}" for share, name in named)
         table.add_row(span, each.camera, f"{each.share:.0%}", f"{each.most:.0%}", by)
     return table
 
 
 def study_table(results: Sequence[Result]) -> Group:
     """Each video's and factor's tests, those significant at 5 % marked by a star."""
-    foot = (
+    foot = told(
         "* significant at 5 %. Friedman: chi-square, effect Kendall's W. Pairs: Wilcoxon's signed ranks, two-sided; n "
         "who differ (equal ratings left out), the smaller sum of ranks, p exact unless marked ~, effect the "
         "rank-biserial correlation."
     )
     table = Table(box=None, pad_edge=False, header_style="bold")
     for heading in ("video", "factor", "test"):
-        table.add_column(heading, overflow="fold")
+        table.add_column(word(heading), overflow="fold")
     for heading in ("n", "statistic", "p", "p (Holm)", "effect"):
-        table.add_column(heading, justify="right", no_wrap=True)
+        table.add_column(word(heading), justify="right", no_wrap=True)
     for r in results:
         f = r.friedman
         if f is not None:
@@ -198,10 +200,13 @@ def offers_table(offers: Sequence[Offer]) -> Table:
     """What can do each stage, the defaults marked."""
     table = Table(box=None, pad_edge=False, header_style="bold")
     for heading in ("stage", "name", "from", "what it does"):
-        table.add_column(heading, overflow="fold")
+        table.add_column(word(heading), overflow="fold")
     for offer in offers:
-        mark = " (default)" if STAGES[offer.stage].default == offer.name else ""
+        mark = f" {word('(default)')}" if STAGES[offer.stage].default == offer.name else ""
         table.add_row(
-            offer.stage, Text.assemble(offer.name, (mark, "dim")), f"{offer.package} {offer.version}", offer.summary
+            offer.stage,
+            Text.assemble(offer.name, (mark, "dim")),
+            f"{offer.package} {offer.version}",
+            told(offer.summary),
         )
     return table

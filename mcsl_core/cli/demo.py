@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from attrs import frozen
+from rich.cells import cell_len
 
 from mcsl_core.analysis.pipeline import analyse
 from mcsl_core.analysis.settings import AnalysisSettings
@@ -14,6 +15,7 @@ from mcsl_core.analysis.summary import describe, summary
 from mcsl_core.blender import installation as blenders
 from mcsl_core.blender import render as rendering
 from mcsl_core.blender.timeline import build_timeline
+from mcsl_core.cli.language import word
 from mcsl_core.edl import Edl
 from mcsl_core.edl.placement import still_range
 from mcsl_core.errors import InputError
@@ -124,8 +126,9 @@ def alignment_errors(truth: Truth, made: Edl) -> list[dict[str, Any]]:
 
 
 def _text(places: dict[str, Path], made: Edl, truth: Truth, errors: list[dict[str, Any]]) -> str:
-    wide = max(len(name) for name in places)
-    lines = [f"{name.replace('_', ' '):<{wide}}  {path}" for name, path in places.items()]
+    labels = {word(name.replace("_", " ")): path for name, path in places.items()}
+    wide = max(map(cell_len, labels))
+    lines = [f"{label}{' ' * (wide - cell_len(label))}  {path}" for label, path in labels.items()]
     lines += ["", describe(made)]
     if errors:
         mean = sum(e["error_px"] for e in errors) / len(errors)

@@ -6,6 +6,7 @@ Exit codes: 0 done, 2 wrong call, 3 input refused, 4 failed, 130 stopped.
 from __future__ import annotations
 
 import errno
+import io
 import os
 import sys
 from functools import partial
@@ -20,6 +21,7 @@ from mcsl_core.progress import JsonLines
 
 from . import stopping
 from .commands import COMMANDS
+from .language import is_japanese, told
 from .options import Commands
 from .output import MODES, Session
 from .streams import give_up, open_closed, own_output
@@ -80,7 +82,9 @@ def _run(arguments: list[str]) -> int:
         return stopped.exit_code
     except click.ClickException as error:
         if isinstance(error, click.UsageError) and not as_json:
-            error.show()
+            said = io.StringIO()
+            error.show(said)
+            click.echo(told(said.getvalue()), err=True, nl=False)
             return 2
         return _fail(UsageError(error.format_message()), as_json)
     except McslError as error:
@@ -134,12 +138,25 @@ def _wants_json(arguments: list[str]) -> bool:
 def _fail(error: McslError, as_json: bool, out: IO[str] | None = None, err: IO[str] | None = None) -> int:
     try:
         if as_json:
-            JsonLines(out or sys.stdout).error(error.what, error.where, error.remedy, error.exit_code)
+            JsonLines(out or sys.stdout).error(*_parts(error), error.exit_code)
     except OSError:  # nobody reads it
         as_json = False
     if not as_json:
-        print(f"mcsl: {error}", file=err or sys.stderr, flush=True)
+        print(f"mcsl: {_sentence(error)}", file=err or sys.stderr, flush=True)
     return error.exit_code
+
+
+def _parts(error: McslError) -> tuple[str, str, str]:
+    """What, where and what to do, in the user's language."""
+    return told(error.what), told(error.where), told(error.remedy)
+
+
+def _sentence(error: McslError) -> str:
+    if not is_japanese():
+        return str(error)
+    what, where, remedy = _parts(error)
+    stop = "" if what.endswith("\n") else "。"  # after another program's own lines
+    return (f"{where}: " if where else "") + (f"{what.rstrip('。')}{stop}{remedy}" if remedy else what)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,8 @@ import click
 from mcsl_core import edl as edls
 from mcsl_core.hooks.stages import STAGES
 from mcsl_core.input_files import name_fault
+
+from .language import is_japanese, told
 
 
 class _Path(click.Path):
@@ -56,11 +59,39 @@ hwaccel_option = click.option(
 )
 
 
+class _Context(click.Context):
+    """Where a command runs: its help is in the user's language."""
+
+    def make_formatter(self) -> click.HelpFormatter:
+        if not is_japanese():
+            return super().make_formatter()
+        from .wide_help import WideHelp
+
+        return WideHelp(width=self.terminal_width, max_width=self.max_content_width)
+
+
 class Commands(click.Group):
-    """Lists the commands in the order of the work, not of the alphabet."""
+    """Lists the commands in the order of the work, not of the alphabet, and in the user's language."""
+
+    context_class = _Context
+
+    def add_command(self, cmd: click.Command, name: str | None = None) -> None:
+        cmd.context_class = _Context
+        super().add_command(cmd, name)
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(self.commands)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        if not is_japanese():
+            super().format_commands(ctx, formatter)
+            return
+        rows = []
+        for name in self.list_commands(ctx):  # click would cut their first sentences short before they are told
+            first, *_ = told(inspect.cleandoc(self.commands[name].help or "")).splitlines()
+            rows.append((name, first.removesuffix("。")))
+        with formatter.section("Commands"):
+            formatter.write_dl(rows)
 
 
 def stage_options(command: Any) -> Any:

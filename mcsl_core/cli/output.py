@@ -16,6 +16,8 @@ from rich.console import Console
 from mcsl_core.errors import UsageError
 from mcsl_core.progress import JsonLines, Progress
 
+from .language import told
+
 MODES = ("auto", "bar", "lines", "json", "none")
 
 
@@ -23,6 +25,13 @@ def file_size(path: Path) -> str:
     """How large a file is, for a person."""
     size = path.stat().st_size
     return f"{size / 1e6:.1f} MB" if size >= 1e5 else f"{size / 1e3:.1f} kB"
+
+
+class _ToldLines(JsonLines):
+    """JSON lines whose sentences are in the user's language; stages and units, which programs compare, are not."""
+
+    def note(self, text: str) -> None:
+        super().note(told(text))
 
 
 class Session:
@@ -50,7 +59,7 @@ class Session:
         self.err = Console(stderr=True, highlight=False, markup=False, emoji=False)
         terminal = "bar" if sys.stderr.isatty() else "lines"
         self.mode = terminal if progress == "auto" else progress
-        self.json = JsonLines(sys.stdout) if self.mode == "json" else None
+        self.json = _ToldLines(sys.stdout) if self.mode == "json" else None
 
     @contextlib.contextmanager
     def progress(self) -> Iterator[Progress]:
@@ -75,4 +84,4 @@ class Session:
         if self.json:
             self.json.result(values)
         else:
-            self.out.print(text)
+            self.out.print(told(text))

@@ -10,6 +10,7 @@ import attrs
 import click
 
 from mcsl_core import edl as edls
+from mcsl_core.cli.language import word
 from mcsl_core.cli.options import PATH, allow_outside
 from mcsl_core.cli.output import Session
 from mcsl_core.cli.stretches import stretch
@@ -66,9 +67,9 @@ def values(edl: Edl) -> dict[str, Any]:
 
 def describe(edl: Edl) -> str:
     """How the aids stand, for people."""
-    lines = [", ".join(f"{_named(name)} {_word(getattr(edl.look, name))}" for name in AIDS)]
+    lines = [", ".join(f"{_named(name)} {_on(getattr(edl.look, name))}" for name in AIDS)]
     for override in edl.overrides:
-        parts = [f"{_named(name)} {_word(getattr(override, name))}" for name in AIDS if _given(override, name)]
+        parts = [f"{_named(name)} {_on(getattr(override, name))}" for name in AIDS if _given(override, name)]
         if override.offset is not None:
             parts.append("centred by hand, {:g},{:g} px".format(*override.offset))
         if parts:
@@ -82,11 +83,11 @@ def _given(override: Override, name: str) -> bool:
 
 
 def _named(aid: str) -> str:
-    return aid.replace("_", " ")
+    return word(aid.replace("_", " "))
 
 
-def _word(on: bool) -> str:
-    return "on" if on else "off"
+def _on(on: bool) -> str:
+    return word("on" if on else "off")
 
 
 @click.command()

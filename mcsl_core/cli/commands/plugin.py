@@ -8,12 +8,12 @@ from shlex import quote
 
 import click
 
-from mcsl_core.cli.options import PATH
+from mcsl_core.cli.options import PATH, Commands
 from mcsl_core.cli.output import Session
 from mcsl_core.hooks.stages import STAGES
 
 
-@click.group("plugin")
+@click.group("plugin", cls=Commands)
 def plugin_group() -> None:
     """Write a plugin of your own (what there is: mcsl plugins)."""
 

@@ -1,0 +1,96 @@
+"""Texts that are not ours: of click, the operating system, FFmpeg and Python; and ours that are put together."""
+
+COMPOSED: dict[str, str] = {
+    # what the source joins of two texts, or keeps in a value
+    "luma, full range": "輝度、全範囲",
+    "{count} done": "完了 {count} 件",
+    "{count} failed": "失敗 {count} 件",
+    "{count} refused": "不可 {count} 件",
+    "{count} waiting": "待ち {count} 件",
+    "{key}: done ({why})": "{key}: 完了（{why}）",
+    "{key}: failed ({why})": "{key}: 失敗（{why}）",
+    "{key}: refused ({why})": "{key}: 不可（{why}）",
+    "{key}: waiting ({why})": "{key}: 待ち（{why}）",
+    "sound track {position} ({kind}) cannot be decoded": "音声トラック {position}（{kind}）はデコードできません",
+    "sound track {position} ({kind}) is silent": "音声トラック {position}（{kind}）は無音です",
+    "sound track {position} ({kind}) is much fainter": "音声トラック {position}（{kind}）はずっと小さい音です",
+    "{text} is no number, and no time of hours, minutes and seconds such as 0:01:02.5": (
+        "{text} は数でも、0:01:02.5 のような時分秒の時刻でもありません"
+    ),
+    "{value}... holds characters that no file name has": "{value}... ファイルの名前に使えない文字があります",
+    "{value}... holds a null character": "{value}... ヌル文字があります",
+    "{value}... is too long: names have at most {name} bytes, paths {path}": (
+        "{value}... 長すぎます。名前は {name} バイト、パスは {path} バイトまでです"
+    ),
+    "{path}, line {lineno}, column {colno}": "{path} の {lineno} 行目 {colno} 文字目",
+    "Missing option {param_hint}.": "オプション {param_hint} が必要です。",
+    "Missing argument {param_hint}.": "引数 {param_hint} が必要です。",
+    "Missing option {param_hint}. {message}": "オプション {param_hint} が必要です。{message}",
+    "Missing argument {param_hint}. {message}": "引数 {param_hint} が必要です。{message}",
+    "Choose from:": "次から選んでください:",
+    "{message} (Did you mean one of: {possibilities}?)": "{message}（次のどれかですか: {possibilities}）",
+    "{message} Did you mean {possibility}?": "{message}（{possibility} ですか）",
+}
+
+TEXTS: dict[str, str] = {
+    # click
+    "Error: {message}": "エラー: {message}",
+    "Try '{command} {option}' for help.": "使い方は '{command} {option}' で表示します。",
+    "Show this message and exit.": "この説明を表示します。",
+    "Show the version and exit.": "バージョンを表示します。",
+    "default: {default}": "既定: {default}",
+    "env var: {var}": "環境変数: {var}",
+    "Missing command.": "コマンドが必要です。",
+    "No such option {name}.": "オプション {name} はありません。",
+    "No such command {name}.": "コマンド {name} はありません。",
+    "Got unexpected extra argument ({args})": "余分な引数があります（{args}）",
+    "Got unexpected extra arguments ({args})": "余分な引数があります（{args}）",
+    "Invalid value for {param_hint}: {message}": "{param_hint} の値が正しくありません: {message}",
+    "Invalid value: {message}": "値が正しくありません: {message}",
+    "Option {name} does not take a value.": "オプション {name} に値は付けられません。",
+    "Option {name} requires an argument.": "オプション {name} には値が必要です。",
+    "Option {name} requires {nargs} arguments.": "オプション {name} には値が {nargs} 個必要です。",
+    "{value} is not {choice}.": "{value} は {choice} ではありません。",
+    "{value} is not one of {choices}.": "{value} は {choices} のどれでもありません。",
+    "{value} is not in the range {range}.": "{value} は範囲 {range} の外です。",
+    "{value} is not a valid {number_type}.": "{value} は {number_type} として正しくありません。",
+    "{value} is not a valid boolean. Recognized values: {states}": (
+        "{value} は真偽値として正しくありません。使える値: {states}"
+    ),
+    # the operating system
+    "No such file or directory": "ファイルもフォルダーもありません",
+    "Permission denied": "アクセス権がありません",
+    "Operation not permitted": "許可されていません",
+    "No space left on device": "ディスクに空きがありません",
+    "Disk quota exceeded": "ディスクの割り当てを超えました",
+    "File too large": "ファイルが大きすぎます",
+    "Input/output error": "入出力エラー",
+    "Is a directory": "フォルダーです",
+    "Not a directory": "フォルダーではありません",
+    "Read-only file system": "読み取り専用のファイルシステムです",
+    "File name too long": "ファイルの名前が長すぎます",
+    "Too many open files": "開いているファイルが多すぎます",
+    "Too many levels of symbolic links": "シンボリックリンクの段数が多すぎます",
+    "File exists": "ファイルがすでにあります",
+    "Directory not empty": "フォルダーが空ではありません",
+    "Device or resource busy": "デバイスが使用中です",
+    "Text file busy": "実行中のファイルです",
+    "Invalid argument": "引数が正しくありません",
+    "No such device or address": "そのデバイスはありません",
+    "Stale file handle": "ファイルハンドルが古くなっています",
+    "Connection timed out": "接続が時間切れになりました",
+    "Cannot allocate memory": "メモリーを確保できません",
+    # FFmpeg
+    "Invalid data found when processing input": "正しくないデータがあります",
+    "End of file": "ファイルが途中で終わっています",
+    "Decoder not found": "デコーダーがありません",
+    "Not yet implemented in FFmpeg, patches welcome": "FFmpeg がまだ対応していません",
+    # Python's JSON
+    "Expecting value": "値がありません",
+    "Extra data": "余分なデータがあります",
+    "Expecting property name enclosed in double quotes": "二重引用符で囲んだ名前がありません",
+    "Expecting ',' delimiter": "',' がありません",
+    "Expecting ':' delimiter": "':' がありません",
+    "Unterminated string starting at": "文字列が閉じていません",
+    "Invalid control character at": "使えない制御文字があります",
+}

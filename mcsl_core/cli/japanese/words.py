@@ -1,0 +1,62 @@
+"""Single words: units, headings and labels. In a sentence such a word may be a camera's name, and stays."""
+
+WORDS: dict[str, str] = {
+    # units of stages
+    "cameras": "台",
+    "frames": "フレーム",
+    "jobs": "ジョブ",
+    "movements": "回の動き",
+    "operations": "件の手術",
+    "pairs": "組",
+    "pieces": "断片",
+    "poses": "姿勢",
+    "samples": "サンプル",
+    "steps": "ステップ",
+    "switches": "回の切り替え",
+    # labels
+    "note": "お知らせ",
+    "done": "完了",
+    # mcsl look
+    "centering": "センタリング",
+    "fill": "フィル",
+    "colour": "色合わせ",
+    "surface": "起伏合わせ",
+    "see through": "透視",
+    "on": "オン",
+    "off": "オフ",
+    # mcsl demo
+    "recording": "収録",
+    "timeline": "タイムライン",
+    "video": "動画",
+    "contact sheet": "一覧画像",
+    "movement sheet": "動きの画像",
+    "head sheet": "頭の画像",
+    # mcsl plugins
+    "stage": "段階",
+    "name": "名前",
+    "from": "提供元",
+    "what it does": "働き",
+    "(default)": "（既定）",
+    # mcsl evaluate
+    "valid": "有効",
+    "field": "術野",
+    "at switches": "切り替えの所",
+    "whole programme": "本編全体",
+    "Auto against Manual": "手動に対する自動",
+    "seen through, s": "透視、秒",
+    "camera": "カメラ",
+    "at most": "最大",
+    "as others see it": "ほかから見えるとおり",
+    "factor": "項目",
+    "test": "検定",
+    "statistic": "統計量",
+    "effect": "効果量",
+    # help
+    "Usage:": "使い方:",
+    "Options": "オプション",
+    "Commands": "コマンド",
+    "[OPTIONS]": "[オプション]",
+    "[ARGS]...": "[引数]...",
+    "COMMAND": "コマンド",
+    "required": "必須",
+}
