@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import itertools
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -74,6 +75,12 @@ SAID = {
     "blender_addon/worker/confine.py": ["*"],
 }
 """``*``: all its functions."""
+TABLES = {
+    "mcsl_core/edl/playlists.py": ["_LISTS"],
+    "mcsl_core/evaluation/metrics.py": ["FOLLOWED", "MATCHED"],
+    "mcsl_core/input_files.py": ["_SIGNATURES", "_KINDS"],
+}
+"""Constants that hold phrases which fill other texts."""
 
 
 def sources() -> Sources:
@@ -106,9 +113,10 @@ def messages(found: Sources) -> None:
             for node in (*call.args[:1], *(k.value for k in call.keywords)):
                 found.show(node, within, module)
     for module in found.modules:
-        for name in ("FOLLOWED", "MATCHED"):  # how `mcsl evaluate` measures, told below its table
-            for node in module.assigned.get(name, ()):
-                found.show(node, None, module)
+        for name in TABLES.get(str(module.path), ()):
+            for node in itertools.chain.from_iterable(map(ast.walk, module.assigned[name])):
+                if isinstance(node, ast.Constant) and isinstance(node.value, str):
+                    found.show(node, None, module, whole=False)
     for call, within, module in found.calls("append"):
         if isinstance(call.func, ast.Attribute) and ast.unparse(call.func.value).endswith("notes"):
             found.show(call.args[0], within, module)

@@ -120,6 +120,7 @@ def version_of(path: Path, timeout_s: float = 60.0) -> str:
     raise InputError(f"is not an mcsl that runs ({last})", where=str(path), remedy=REMEDY)
 
 
-def child_environment(environ: Mapping[str, str] = os.environ) -> dict[str, str]:
-    """The environment without what points at Blender's own Python."""
-    return {k: v for k, v in environ.items() if k not in ("PYTHONPATH", "PYTHONHOME", "PYTHONSAFEPATH")}
+def child_environment(environ: Mapping[str, str] = os.environ, *, language: str = "") -> dict[str, str]:
+    """The environment without what points at Blender's own Python; with ``language``, in which mcsl then speaks."""
+    kept = {k: v for k, v in environ.items() if k not in ("PYTHONPATH", "PYTHONHOME", "PYTHONSAFEPATH")}
+    return kept | ({"LANGUAGE": language} if language else {})

@@ -71,7 +71,7 @@ class Status:
 class Job:
     """One child process, from its start to its end."""
 
-    def __init__(self, command: Sequence[str], *, cwd: Path | None = None) -> None:
+    def __init__(self, command: Sequence[str], *, cwd: Path | None = None, language: str = "") -> None:
         """Starts the job.
 
         Parameters
@@ -80,6 +80,8 @@ class Job:
             The program and its arguments.
         cwd
             The folder to start it in.
+        language
+            In which it tells notes and errors, such as ja_JP; empty: as the environment says.
 
         Raises
         ------
@@ -106,7 +108,7 @@ class Job:
                     stdout=out,
                     stderr=err,
                     cwd=cwd,
-                    env=child_environment(),
+                    env=child_environment(language=language),
                     **group,
                 )
         except OSError as error:
@@ -172,8 +174,9 @@ class Job:
     def _take(self, message: Message) -> None:
         status = self.status
         match message:
-            case Stage(stage, total, unit):
+            case Stage(stage, total, unit, shown):
                 count = status.number + 1
+                stage, unit = (shown, "") if shown else (stage, unit)
                 self.status = attrs.evolve(status, stage=stage, total=total, unit=unit, done=0, number=count)
                 self._began = None
             case Done(done):

@@ -21,7 +21,7 @@ from mcsl_core.errors import McslError
 
 from ..core.camera_files import plugins_command
 from ..process.job import Job, Status
-from .translations.lookup import told
+from .translations.lookup import language, told
 
 TICK_S = 0.1
 ASKED = "mcsl plugins"
@@ -67,7 +67,7 @@ def start(title: str, command: Sequence[str], follow: Follow | None = None, *, c
         raise McslError(
             told("{title} runs already").format(title=desk.running.title), remedy=told("Wait, or cancel it")
         )
-    desk.running = Running(title, Job(command, cwd=cwd), follow)
+    desk.running = Running(title, Job(command, cwd=cwd, language=language()), follow)
     say("", "INFO", title)
     _tick_soon()
 

@@ -17,6 +17,7 @@ from attrs import frozen
 _LONGEST = 4000  # letters of a text that is recognised; what is longer is somebody's output
 _SHORT = 5  # letters of a template, "{start} to {stop}", whose fields are words, else it would fit any sentence
 _NUMBERS = ("count",)  # fields that are numbers
+_MORE = r"(?:[ ,(]*and \d+ more.*)?"  # " (and 3 more paths)", or nothing
 
 
 def is_japanese(environ: Mapping[str, str] = os.environ) -> bool:
@@ -72,6 +73,8 @@ class _Template:
         pieces = [re.escape(self.literals[0])]
         for name, literal in zip(names, self.literals[1:], strict=True):
             form = r"\d[\d,.]*" if name in _NUMBERS else r"\S+?" if short else r".+?"
+            if seen and pieces[-1] == "":  # right behind another field
+                form = _MORE
             pieces += [f"(?P={name})" if name in seen else f"(?P<{name}>{form})", re.escape(literal)]
             seen.add(name)
         return re.compile("".join(pieces), re.DOTALL)
@@ -105,7 +108,8 @@ class Catalogue:
         self.words = words
         self._whole = {english: japanese for english, japanese in texts.items() if "{" not in english}
         templates = [_Template(*each) for each in texts.items() if "{" in each[0]]
-        self._templates = sorted(templates, key=lambda each: -each.weight)
+        numbers = tuple(f"{{{name}}}" for name in _NUMBERS)
+        self._templates = sorted(templates, key=lambda each: (-each.weight, not each.english.startswith(numbers)))
 
     def told(self, text: str) -> str:
         """``text``, whose templates are known, in Japanese; else as it is."""
@@ -115,7 +119,11 @@ class Catalogue:
 
     def _line(self, line: str) -> str:
         within = line.strip()
-        return line.replace(within, self._known(within) or self._sentences(within) or within, 1) if within else line
+        told = (self._known(within) or self._sentences(within)) if within else None
+        if told is None:
+            return line
+        before, after = line.split(within, 1)
+        return ("" if told.startswith("（") else before) + told + after  # the bracket is wide enough
 
     def _known(self, text: str) -> str | None:
         if text in self._whole:
@@ -135,12 +143,15 @@ class Catalogue:
         """Known texts that stand together: ``a, b``, ``where: what. Remedy``."""
         for mark, ours in ((". ", "。"), ("; ", "; "), (", ", "、")):
             parts = text.split(mark)
-            told = [self._known(part) or part for part in parts]
+            told = [self._phrase(part) or part for part in parts]
             if len(parts) > 1 and told != parts:
                 return ours.join(told)
         where, colon, rest = text.partition(": ")
-        told = (self._known(rest) or self._sentences(rest)) if colon else None
-        return told and f"{where}: {told}"
+        said = (self._phrase(rest) or self._sentences(rest)) if colon else None
+        return said and f"{self._phrase(where) or where}: {said}"
+
+    def _phrase(self, text: str) -> str | None:
+        return self._known(text) if " " in text else None
 
 
 @cache

@@ -16,7 +16,7 @@ from rich.console import Console
 from mcsl_core.errors import UsageError
 from mcsl_core.progress import JsonLines, Progress
 
-from .language import told
+from .language import is_japanese, told
 
 MODES = ("auto", "bar", "lines", "json", "none")
 
@@ -28,7 +28,12 @@ def file_size(path: Path) -> str:
 
 
 class _ToldLines(JsonLines):
-    """JSON lines whose sentences are in the user's language; stages and units, which programs compare, are not."""
+    """JSON lines whose sentences are in the user's language; that of a stage stands beside its name."""
+
+    def send(self, message: Mapping[str, Any]) -> None:
+        if is_japanese() and "stage" in message:
+            message = {**message, "shown": told(message["stage"])}
+        super().send(message)
 
     def note(self, text: str) -> None:
         super().note(told(text))

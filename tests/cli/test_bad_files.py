@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -107,6 +108,39 @@ def test_no_command_shows_a_traceback(
         assert code != 0
     if before is not None and param not in OUTPUTS:
         assert path.read_bytes() == before
+
+
+@pytest.fixture
+def in_japanese(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LANGUAGE", "ja")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="pipes and devices are files elsewhere")
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    ("name", "param", "suffix"),
+    [
+        ("look", "edl", ".json"),
+        ("evaluate", "manual", ".csv"),
+        ("evaluate", "study", ".csv"),
+        ("render", "preset", ".json"),
+        ("pull", "document", ".otio"),
+        ("pull", "document", ".fcpxml"),
+        ("pull", "document", ".edl"),
+    ],
+)
+@pytest.mark.usefixtures("in_japanese")
+def test_what_is_wrong_is_told_in_japanese(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, param: str, suffix: str, kind: str
+) -> None:
+    path = tmp_path / f"file{suffix}"
+    KINDS[kind](path)
+    if main(arguments(name, param, path, tmp_path)) == 0:
+        return
+    said = capsys.readouterr().err.replace(str(tmp_path), "")
+    assert re.search("[ぁ-ん]", said)
+    ours = re.sub(r"（[A-Z]\w+Error: .*?）", "", said)  # what Python says of itself stays
+    assert not re.search(r"[A-Za-z]{3,} [a-z]{2,} [a-z]{3,}|(は|が|を|で)(a|an) [a-z]", ours), "an English sentence"
 
 
 @pytest.mark.skipif(os.name == "nt", reason="pipes and devices are files elsewhere")

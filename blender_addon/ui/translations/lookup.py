@@ -20,6 +20,11 @@ def shown(text: str) -> str:
     return bpy.app.translations.pgettext_iface(text)
 
 
+def language() -> str:
+    """The language of Blender's interface, such as ja_JP; empty where Blender does not say."""
+    return bpy.app.translations.locale
+
+
 def register() -> None:
     table = {(context, english): japanese for english, japanese in JAPANESE.items() for context in CONTEXTS}
     bpy.app.translations.register(__name__, {"ja_JP": table})

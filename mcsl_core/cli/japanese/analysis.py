@@ -121,7 +121,7 @@ TEXTS: dict[str, str] = {
     ),
     "pose from {at}, perspective {perspective}: residual px none": "姿勢 {at} から、視点 {perspective}: 残差なし",
     "gaze of {file}: {used} of {samples} looks used": "視線 {file}: {samples} 件のうち {used} 件を使用",
-    "and {spans} more": "ほか {spans} か所",
+    "and {spans} more": "ほか {spans} 件",
     "no picture: {camera_name} from {spans}{more}": "画像なし: {camera_name}、{spans}{more}",
     "nothing shows where the surgical field lies, the middle is taken (to draw it: mcsl field)": (
         "術野の位置が映像から分からないので、中央を使います（描くには mcsl field）"

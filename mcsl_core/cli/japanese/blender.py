@@ -82,7 +82,7 @@ TEXTS: dict[str, str] = {
         "色が {conversion} です。Blender のプレビューでは違う色になるかもしれませんが、コンフォームした映像は "
         "BT.709 に変換されます。色調整はそちらで行ってください"
     ),
-    "and {paths} more": "ほか {paths} 個",
+    "and {paths} more": "ほか {paths} 件",
     # blender/render.py
     "there is no engine {engine}": "エンジン {engine} はありません",
     "Take one of {ENGINES}": "{ENGINES} から選んでください",

@@ -167,6 +167,6 @@ TEXTS: dict[str, str] = {
     "Hand in {what} as the editor exported it": "編集ソフトが書き出したままの{what}を渡してください",
     "declares entities, which no editor writes": ("エンティティーの宣言があります。編集ソフトが書くものではありません"),
     "is not XML ({error})": "XML ではありません（{error}）",
-    "is {tag}, not {what}": "{what}ではなく {tag} です",
+    "is {tag}, not {what}": "{what}ではなく{tag}です",
     "is nested more than {MOST_DEPTH} deep": "入れ子が {MOST_DEPTH} 段より深いです",
 }

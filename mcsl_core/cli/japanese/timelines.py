@@ -96,7 +96,7 @@ TEXTS: dict[str, str] = {
     "Delete or trim a mark": "印を消すか短くしてください",
     "channel Removed": "チャンネル Removed",
     # blender_addon/core/times.py
-    "is {odd}": "{odd}になっています",
+    "is {odd}": "{odd} です",
     (
         "the programme's time is the recording's and cannot be cut or stretched. To leave a stretch out, cut the "
         "delivered video, or render a range of frames"
