@@ -20,6 +20,11 @@ command: `mcsl --progress json analyse ...`.
 
 **Exit codes**: 0 done, 2 wrong call, 3 input refused, 4 failed, 130 stopped. An error is one line that says what
 happened, where, and what to do next. A stop or a failure leaves nothing half-written; the same command carries on.
+
+**Language**: help, errors, notes and results are in Japanese where the environment says so (`LANGUAGE`, `LC_ALL`,
+`LC_MESSAGES`, `LANG`, in this order: `LANGUAGE=ja mcsl --help`; on Windows set `LANGUAGE`), else in English. With
+`--progress json` the names of stages stay English, with the Japanese as `shown`; `note` and `error` are Japanese.
+Documents, reports and logs are in English.
 """
 
 

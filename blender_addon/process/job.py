@@ -191,7 +191,7 @@ class Job:
                 stopped = error.exit_code == Cancelled.exit_code
                 # The outcome stays "running" until the process is gone; it is known already, though.
                 self._ending = "stopped" if stopped else "failed"
-                self.status = attrs.evolve(status, message=STOPPED if stopped else one_line(str(told)))
+                self.status = attrs.evolve(status, message=STOPPED if stopped else _sentence(told))
 
     def _end(self, code: int) -> None:
         self._text = self._out.read_text("utf-8", "replace")
@@ -216,6 +216,14 @@ def _unexplained(code: int, said: Sequence[str]) -> str:
         return f"mcsl was ended from outside ({name}). Start it again: it carries on where it stopped"
     last = said[-1].strip() if said else f"it ended with code {code} and said nothing"
     return one_line(f"mcsl failed: {last}")
+
+
+def _sentence(error: McslError) -> str:
+    """The line for an error, in whatever language it is told."""
+    said = str(McslError(error.what, where=error.where))
+    if said[-1:] < "\u3000" or not error.remedy:
+        return one_line(str(error))
+    return one_line(f"{said}。{error.remedy}")  # Japanese ends a sentence so
 
 
 def one_line(text: str) -> str:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+import mcsl_core
 from blender_addon.process.job import STOPPED, Job, Status, one_line
 from mcsl_core.errors import McslError
 
@@ -154,6 +155,27 @@ def test_mcsl_that_refuses_says_why_in_a_line(tmp_path):
     assert status.outcome == "failed"
     assert "none.json" in status.message
     assert len(status.message.splitlines()) == 1
+
+
+def test_mcsl_speaks_the_language_it_is_asked_to(tmp_path):
+    tree = str(Path(mcsl_core.__file__).parents[1])  # not another that is installed
+    code = (
+        f"import sys; sys.path.insert(0, {tree!r}); from mcsl_core.cli.main import main; sys.exit(main(sys.argv[1:]))"
+    )
+    command = [sys.executable, "-c", code, "--progress", "json", "look", str(tmp_path / "none.json")]
+    job = Job(command, language="ja_JP")
+    status = ended(job, 120)
+    assert status.message == f"{tmp_path}/none.json: 見つかりません。パスを確認してください"
+
+
+def test_a_stage_is_shown_in_the_language_of_the_person(tmp_path):
+    job = child('say(stage="Scoring the views", total=8, unit="samples", shown="画像の採点"); time.sleep(60)')
+    until = time.monotonic() + 30
+    while not job.pump().stage and time.monotonic() < until:
+        time.sleep(0.01)
+    assert (job.status.stage, job.status.total, job.status.unit) == ("画像の採点", 8, "")
+    job.kill()
+    ended(job, 30)
 
 
 def test_the_text_of_a_command_that_is_no_long_work():
