@@ -12,6 +12,8 @@ from pathlib import Path
 import hypothesis
 import pytest
 
+from mcsl_core.media.scheduling import scheduled_as_before
+
 ROOT = Path(__file__).resolve().parent.parent
 
 os.environ["NO_COLOR"] = "1"  # for this process and the children it starts
@@ -42,6 +44,13 @@ def state_of_user(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("state")
     os.environ["MCSL_STATE"] = str(folder)
     return folder
+
+
+@pytest.fixture(autouse=True)
+def ordinary_scheduling() -> Iterator[None]:
+    """A film that a test codes with SVT-AV1 does not make the tests after it, and their children, real-time ones."""
+    with scheduled_as_before():
+        yield
 
 
 @pytest.fixture(autouse=True)

@@ -26,6 +26,7 @@ from .banners import without_banner
 from .colours import BT709, LIMITED
 from .frames import frame_from_planes
 from .opening import local_url
+from .scheduling import scheduled_as_before
 
 FORMATS = {".mp4": "mp4", ".m4v": "mp4", ".mov": "mov", ".mkv": "matroska"}
 
@@ -154,7 +155,8 @@ class VideoWriter:
         try:
             self._video = self._add_video()
             self._audio = self._add_audio() if self._audio_rate else None
-            self._container.start_encoding()
+            with scheduled_as_before():
+                self._container.start_encoding()
             self._check_options()
         except (FFmpegError, ValueError) as error:
             with contextlib.suppress(OSError):
