@@ -1,8 +1,9 @@
 """Progress of long work, for people and for programs, and the token by which it is stopped.
 
 A stage has a name, a total in some unit (or None when unknown) and an absolute count of what is done.
-As JSON lines: {"stage": ..., "total": ..., "unit": ...}, {"done": ...}, {"note": ...}, {"result": {...}},
-{"error": {...}}.
+Work whose steps are known beforehand tells, before a stage, which of them it belongs to (`Steps`).
+As JSON lines: {"step": ..., "of": ...}, {"stage": ..., "total": ..., "unit": ...}, {"done": ...}, {"note": ...},
+{"result": {...}}, {"error": {...}}.
 """
 
 from __future__ import annotations
@@ -10,8 +11,8 @@ from __future__ import annotations
 import json
 import threading
 import time
-from collections.abc import Mapping
-from typing import IO, Any, Protocol
+from collections.abc import Mapping, Sequence
+from typing import IO, Any, Protocol, runtime_checkable
 
 from attrs import define, field
 
@@ -37,6 +38,38 @@ class Progress(Protocol):
     def note(self, text: str) -> None:
         """Something a person should know: a weak camera, a gap, a decision."""
         ...
+
+
+@runtime_checkable
+class CountsSteps(Protocol):
+    """A `Progress` may have this as well."""
+
+    def step(self, number: int, of: int) -> None:
+        """The stages that follow belong to step ``number``, counted from 1, ``of`` so many."""
+        ...
+
+
+class Steps:
+    """The steps of a piece of work, in order: each is told when it begins, the first at once. Some may be left out.
+
+    Parameters
+    ----------
+    progress
+        Told where it `CountsSteps`.
+    names
+        All that the work may need. A step has a stage, several, or none where its result is there already.
+    """
+
+    def __init__(self, progress: Progress, names: Sequence[str]) -> None:
+        self._progress, self._names, self._at = progress, tuple(names), 0
+        self.begin(names[0])
+
+    def begin(self, name: str) -> None:
+        """The stages that follow belong to the step ``name``."""
+        number = self._names.index(name) + 1  # a step that is not listed is a mistake: ValueError
+        if number != self._at and isinstance(self._progress, CountsSteps):
+            self._progress.step(number, len(self._names))
+        self._at = number
 
 
 @define
@@ -105,6 +138,10 @@ class JsonLines:
     def send(self, message: Mapping[str, Any]) -> None:
         self.stream.write(json.dumps(message) + "\n")  # pure ASCII: passes any pipe, whatever its encoding
         self.stream.flush()
+
+    def step(self, number: int, of: int) -> None:
+        self.token.check()
+        self.send({"step": number, "of": of})
 
     def stage(self, name: str, total: int | None = None, unit: str = "") -> None:
         self.token.check()

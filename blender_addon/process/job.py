@@ -20,7 +20,7 @@ from typing import Any, Literal
 import attrs
 from attrs import field, frozen
 
-from mcsl_core.blender.messages import Done, Failed, Failure, Message, MessageFile, Note, Result, Stage
+from mcsl_core.blender.messages import Done, Failed, Failure, Message, MessageFile, Note, Result, Stage, Step
 from mcsl_core.errors import Cancelled, DocumentError, McslError
 
 from .find_mcsl import child_environment
@@ -40,8 +40,8 @@ class Status:
     ----------
     stage, done, total, unit
         Its current stage: so many units of ``total`` are done; None when that is not known.
-    number
-        Of the current stage, counted from 1 as they come: how many there will be nobody knows beforehand.
+    step, steps
+        The step of the work that the stage belongs to, counted from 1, and how many there are; 0 when not known.
     notes
         What a person should know, in the order told.
     outcome
@@ -56,7 +56,8 @@ class Status:
     done: int = 0
     total: int | None = None
     unit: str = ""
-    number: int = 0
+    step: int = 0
+    steps: int = 0
     notes: tuple[str, ...] = ()
     outcome: Outcome = "running"
     message: str = ""
@@ -95,6 +96,7 @@ class Job:
         self._messages = MessageFile(self._out)
         self._text = ""
         self._ending: Outcome | None = None  # known before the process is gone
+        self._step: Step | None = None  # told before its first stage, and shown with it
         self._began: tuple[float, int] | None = None  # when the stage was first heard of, and what was done by then
         self._asked: float | None = None  # when it was asked to stop
         group: dict[str, Any] = {"start_new_session": True}
@@ -174,10 +176,12 @@ class Job:
     def _take(self, message: Message) -> None:
         status = self.status
         match message:
+            case Step():
+                self._step = message
             case Stage(stage, total, unit, shown):
-                count = status.number + 1
                 stage, unit = (shown, "") if shown else (stage, unit)
-                self.status = attrs.evolve(status, stage=stage, total=total, unit=unit, done=0, number=count)
+                status = attrs.evolve(status, stage=stage, total=total, unit=unit, done=0)
+                self.status = attrs.evolve(status, step=self._step.step, steps=self._step.of) if self._step else status
                 self._began = None
             case Done(done):
                 self.status = attrs.evolve(status, done=done)

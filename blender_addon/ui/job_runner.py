@@ -147,7 +147,7 @@ def _status_bar(text: str | None) -> None:
 
 
 def describe(run: Running) -> str:
-    """The job in a line: the how-manieth stage it is in, how much of that is done, and how long the rest takes."""
+    """The job in a line: the stage it is in, of how many, and how long that still takes; the bar shows what is done."""
     if run.rest is not None:
         return told("putting it into the timeline")
     status = run.job.status
@@ -155,9 +155,9 @@ def describe(run: Running) -> str:
         return told("stopping")
     if not status.stage:
         return told("starting")
-    text = f"{status.number}. {status.stage}"
-    if status.total:
-        text = f"{text} {status.done}/{status.total} {status.unit}".rstrip()
+    text = status.stage
+    if status.steps > 1:
+        text = told("Stage {number} of {count}: {stage}").format(number=status.step, count=status.steps, stage=text)
     if (left := run.job.left_s()) is None:
         return text
     return told("{stage}, {time} left").format(stage=text, time=f"{round(left) // 60}:{round(left) % 60:02}")
@@ -213,7 +213,7 @@ def _tick() -> float | None:
     asking = pump_plugins()
     if desk.running is not None:
         title, text = desk.running.title, describe(desk.running)
-        _status_bar(f"{title}: {text}")
+        _status_bar(text if title in text else f"{title} – {text}")
     redraw()
     return TICK_S if more or asking else None
 

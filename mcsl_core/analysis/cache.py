@@ -29,7 +29,7 @@ from mcsl_core.imaging.masks import Mask
 from mcsl_core.media.damage import Damage
 from mcsl_core.movement.protocol import Curve, Detection
 from mcsl_core.occlusion.score_table import ScoreTable
-from mcsl_core.progress import Progress
+from mcsl_core.progress import Progress, Steps
 from mcsl_core.recording.damage import DamageOf
 from mcsl_core.temporary import private_folder
 from mcsl_core.timing import FrameRange
@@ -69,10 +69,10 @@ def call(step: Callable[..., T], *given: Any, **named: Any) -> T:
 
 
 class StageCache:
-    """A folder of results. Without a folder it remembers nothing."""
+    """A folder of results. Without a folder it remembers nothing. steps: told of each stage that is done anew."""
 
-    def __init__(self, folder: Path | None, progress: Progress) -> None:
-        self.folder, self._progress = folder, progress
+    def __init__(self, folder: Path | None, progress: Progress, steps: Steps | None = None) -> None:
+        self.folder, self._progress, self._steps = folder, progress, steps
 
     def remember(self, stage: Stage[T], key: str, step: Callable[..., T], *given: Any, **named: Any) -> T:
         """The result of ``stage`` under ``key``: ``step(*given, **named)`` if it is not there or cannot be read.
@@ -80,7 +80,7 @@ class StageCache:
         What is `Deferred` among the arguments is made for the step, and so not at all where the result is there.
         """
         if self.folder is None:
-            return call(step, *given, **named)
+            return self._done(stage, step, *given, **named)
         path = self.folder / f"{stage.name}-{key}.npz"
         if path.exists():
             try:
@@ -90,13 +90,18 @@ class StageCache:
             except Exception as fault:  # whatever is wrong with it, making it again is right
                 why = fault.what if isinstance(fault, McslError) else f"{type(fault).__name__}: {fault}"
                 self._progress.note(f"{path} cannot be used ({why}) and is made again")
-        result = call(step, *given, **named)
+        result = self._done(stage, step, *given, **named)
         stream = io.BytesIO()
         np.savez_compressed(stream, **stage.pack(result))  # pyright: ignore[reportArgumentType]
         private_folder(self.folder)
         write_atomic(path, stream.getvalue(), private=True)
         self.prune(stage.name, KEPT)
         return result
+
+    def _done(self, stage: Stage[T], step: Callable[..., T], *given: Any, **named: Any) -> T:
+        if self._steps is not None:
+            self._steps.begin(stage.name)
+        return call(step, *given, **named)
 
     def file(self, stage: str, key: str) -> Path | None:
         """Where a result too large for memory lies; the caller writes it."""

@@ -28,7 +28,7 @@ from mcsl_core.hooks.registry import Offer, Plugins
 from mcsl_core.hooks.stages import STAGES
 from mcsl_core.hooks.watch import Watch
 from mcsl_core.occlusion.scoring import score_views, scoring_segments
-from mcsl_core.progress import Progress
+from mcsl_core.progress import Progress, Steps
 from mcsl_core.recording.cameras import choose_reference, open_cameras, programme_length
 from mcsl_core.recording.damage import DamageOf, damage_met, damage_of, with_gaps
 from mcsl_core.recording.footage import Footage
@@ -100,10 +100,11 @@ def _analysed(
     chosen: Mapping[str, Offer],
     progress: Progress,
 ) -> edl.Edl:
+    steps = Steps(progress, _steps(settings))
     cameras = open_cameras(recording, place.path.parent, progress)
     reference = choose_reference(cameras, settings.reference)
     rate = settings.rate or reference.rate
-    cache = StageCache(cache_folder(place.path) if settings.cache else None, progress)
+    cache = StageCache(cache_folder(place.path) if settings.cache else None, progress, steps)
     footage = _on_one_clock(cameras, reference.name, place.path.parent, rate, settings, cache, progress)
     footage = _with_gaps(footage, cache.remember(DAMAGE, damage_key(cameras), damage_of, footage, progress), progress)
     cameras, frames, sizes = footage.cameras, footage.frames, {camera.name: camera.size for camera in footage.cameras}
@@ -135,9 +136,8 @@ def _analysed(
         look = partial(look_closer, choose=choice.shots, progress=progress)
         table = cache.remember(CLOSER, keys.closer, look, table, *where)
         shots, table = choice.shots(table), choice.measured(table)
-        least_s = by["selector"].min_shot_s
-        cut = CUTS, keys.cuts(shots, least_s), partial(refine_switches, min_shot_s=least_s)
-        cuts = cache.remember(*cut, shots, *where, progress)
+        refine = partial(refine_switches, min_shot_s=by["selector"].min_shot_s)
+        cuts = cache.remember(CUTS, keys.cuts(shots, by["selector"].min_shot_s), refine, shots, *where, progress)
     fields = field_stretches(solved, drawn)
     made = edl.Edl(
         rate=rate,
@@ -153,6 +153,13 @@ def _analysed(
         made_by=_made_by(settings, chosen, gaze),
     )
     return _saved(made, place, Measurements(table, detection.curve), solved, gaze, by["centerer"], progress)
+
+
+def _steps(settings: AnalysisSettings) -> list[str]:
+    """All that `_analysed` does which takes its time, in order."""
+    following = (PLACED, FOLLOWED) if settings.movement_view == "follow" else ()
+    before, after = (CLOCKS, DAMAGE, DAMAGE_MET, MOVEMENTS, POSES), (COLOURS, SCORES, AROUND, MERITS, CLOSER, CUTS)
+    return ["cameras", *(stage.name for stage in (*before, *following, *after))]
 
 
 def _saved(

@@ -145,6 +145,14 @@ class RenderRequest(Request[RenderedVideo]):
 
 
 @frozen
+class Step:
+    """The stages that follow belong to this step of the work."""
+
+    step: int = field(validator=Bounds(low=1), metadata=doc("counted from 1"))
+    of: int = field(validator=Bounds(low=1), metadata=doc("so many steps the work has, some of which may be left out"))
+
+
+@frozen
 class Stage:
     """A new stage of the work begins."""
 
@@ -192,8 +200,10 @@ class Failed:
     error: Failure
 
 
-Message = Stage | Done | Note | Result | Failed
-_KINDS: Mapping[str, type[Any]] = {attrs.fields(kind)[0].name: kind for kind in (Stage, Done, Note, Result, Failed)}
+Message = Step | Stage | Done | Note | Result | Failed
+_KINDS: Mapping[str, type[Any]] = {
+    attrs.fields(kind)[0].name: kind for kind in (Step, Stage, Done, Note, Result, Failed)
+}
 
 
 def parse_message(line: str | bytes) -> Message | None:

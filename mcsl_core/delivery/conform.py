@@ -27,7 +27,7 @@ from mcsl_core.outputs.claim import claim_folder, is_same_file
 from mcsl_core.outputs.locks import in_turn
 from mcsl_core.outputs.manifest import Manifest
 from mcsl_core.parallel import opencv_in_one_thread
-from mcsl_core.progress import Progress, Silent
+from mcsl_core.progress import Progress, Silent, Steps
 from mcsl_core.recording.changed_media import media_files, tell_of_changed_media
 from mcsl_core.recording.contents import read_contents
 from mcsl_core.recording.damage import tell_of_damage
@@ -109,7 +109,7 @@ def conform(
     jobs = min(os.cpu_count() or 1, _MOST_JOBS) if jobs is None else jobs
     _check(jobs, prune, part)
     manifest = _claimed(out)
-    read_contents(media_files(source.edl, source.base), progress)  # takes minutes; then it is remembered
+    steps = _begun(source, part, progress)
     chunks = part.taken(plan_chunks(source.edl, source.base, filler=source.filler, quality=quality))
     with _turn(manifest, part, progress):
         _rename_former(source, manifest, chunks, quality)
@@ -117,13 +117,21 @@ def conform(
         missing = [chunk for chunk in chunks if not (out / chunk.name).is_file()]
         if missing:
             _tell_of_space(source, out, chunks, missing, quality, progress)
-        audio = _make_sound(source, out, progress) if part.first else None
+        audio = _make_sound(source, out, steps, progress) if part.first else None
         _adopt(manifest, [out / chunk.name for chunk in chunks if chunk not in missing], audio)
         if missing:
-            _make_chunks(source, out, missing, min(jobs, len(missing)), quality, progress)
+            _make_chunks(source, out, missing, min(jobs, len(missing)), quality, steps, progress)
         if prune:
             _prune(source, manifest, quality, audio)
     return Conformed(out, chunks, audio, len(missing))
+
+
+def _begun(source: ProgrammeSource, part: Part, progress: Progress) -> Steps:
+    """What is done, in order. The first is behind: the files are read, which takes minutes and then is remembered."""
+    sound = ["sound"] if part.first and source.sound_camera is not None else []
+    steps = Steps(progress, ["files", *sound, "pictures"])
+    read_contents(media_files(source.edl, source.base), progress)
+    return steps
 
 
 def _check(jobs: int, prune: bool, part: Part) -> None:
@@ -220,11 +228,12 @@ def _tell_of_space(
     tell_of_space("The conformed pictures", out, frames * a_frame, float(frames / source.edl.rate), progress)
 
 
-def _make_sound(source: ProgrammeSource, out: Path, progress: Progress) -> Path | None:
+def _make_sound(source: ProgrammeSource, out: Path, steps: Steps, progress: Progress) -> Path | None:
     edl, camera = source.edl, source.sound_camera
     footage = source.footage(1)
     if camera is None or not is_audible(footage, camera, progress):
         return None
+    steps.begin("sound")
     path = out / f"sound-{sound_key(edl, camera, media_fingerprints(edl.camera(camera), source.base))}.wav"
     if not path.is_file():
         write_wav(footage, camera, edl, path, progress)
@@ -281,7 +290,13 @@ class _ChunkMaker:
 
 
 def _make_chunks(
-    source: ProgrammeSource, out: Path, missing: list[Chunk], jobs: int, quality: Quality, progress: Progress
+    source: ProgrammeSource,
+    out: Path,
+    missing: list[Chunk],
+    jobs: int,
+    quality: Quality,
+    steps: Steps,
+    progress: Progress,
 ) -> None:
     """Threads, not processes: decoding, warping and encoding run outside Python's lock, and plugins need no pickling.
 
@@ -289,6 +304,7 @@ def _make_chunks(
     without waiting for each other. A single chunk, as an override leaves it, is decoded in the threads of all cores.
     """
     tell_of_hardware(source.hwaccel, media_files(source.edl, source.base), progress)
+    steps.begin("pictures")
     progress.stage("Conforming", sum(len(chunk.range) for chunk in missing), "frames")
     maker = _ChunkMaker(source, out, quality, jobs=jobs)
     manifest = Manifest.inside(out)

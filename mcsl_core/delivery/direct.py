@@ -14,7 +14,7 @@ from mcsl_core.errors import InputError
 from mcsl_core.imaging.planes import resize_planes
 from mcsl_core.imaging.warp import Resampling
 from mcsl_core.media.writing import Encoding, VideoWriter
-from mcsl_core.progress import Progress, Silent
+from mcsl_core.progress import Progress, Silent, Steps
 from mcsl_core.recording.changed_media import media_files, tell_of_changed_media
 from mcsl_core.recording.contents import read_contents
 from mcsl_core.recording.damage import tell_of_damage
@@ -73,6 +73,7 @@ def write_direct(
     pieces = _delivered(edl, piece)
     frames = sum(map(len, pieces))
     size, camera = video.size or edl.size, source.sound_camera
+    steps = Steps(progress, ["files", "programme"])
     read_contents(media_files(edl, source.base), progress)
     tell_of_changed_media(edl, source.base, progress)
     tell_of_hardware(source.hwaccel, media_files(edl, source.base), progress)
@@ -84,6 +85,7 @@ def write_direct(
     sound = None
     if camera is not None and is_audible(footage, camera, progress):
         sound = delivered_sound(footage, camera, edl, pieces)
+    steps.begin("programme")
     progress.stage("Writing the programme", frames, "frames")
     with (
         Compositor(edl, footage, filler=source.filler, resampling=video.resampling) as compositor,

@@ -14,7 +14,7 @@ from mcsl_core.hooks.registry import filler_of
 from mcsl_core.outputs.claim import Output, claim
 from mcsl_core.outputs.inputs import inputs_of
 from mcsl_core.outputs.manifest import Manifest
-from mcsl_core.progress import Progress, Silent
+from mcsl_core.progress import Progress, Silent, Steps
 from mcsl_core.recording.footage import footage_of
 
 from . import conformed as media
@@ -77,9 +77,11 @@ def export(edl_path: Path, out: Path, settings: ExportSettings, progress: Progre
     output = _claimed(out, edl, edl_path, settings)
     programme = sound = None
     written: list[Path] = []
+    steps = Steps(progress, ["conformed", "cameras"] if settings.exact else ["cameras"])
     if settings.exact:
         programme, sound, written = _conformed(source, edl_path, out, settings, progress)
     footage = footage_of(edl, source.base)
+    steps.begin("cameras")
     progress.stage("Reading the cameras", len(edl.cameras), "cameras")
     parts = {}
     for done, camera in enumerate(edl.cameras, start=1):

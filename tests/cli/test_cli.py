@@ -111,12 +111,26 @@ def test_analysis_reports_json_lines_and_the_same_input_gives_the_same_bytes(rec
     messages = [json.loads(line) for line in done.stdout.splitlines()]
     stages = [m["stage"] for m in messages if "stage" in m]
     assert len(stages) >= 5
+    steps = [(m["step"], m["of"]) for m in messages if "step" in m]
+    assert steps == [(n, len(steps)) for n in range(1, len(steps) + 1)], "every step that was announced has come"
+    last = next(n for n, m in enumerate(messages) if m.get("stage") == "Refining the switches")
+    assert messages[last - 1] == {"step": len(steps), "of": len(steps)}
     result = messages[-1]["result"]
     assert result["cameras"] == ["cam1", "cam2", "cam3"]
     first = (tmp_path / "e.json").read_bytes()
     (tmp_path / "e.json").unlink()
     assert mcsl("analyse", recording, "-o", tmp_path / "e.json").returncode == 0
     assert (tmp_path / "e.json").read_bytes() == first
+
+
+def test_steps_that_the_options_leave_out_are_not_counted(recording: Path, tmp_path: Path) -> None:
+    how = ("-o", tmp_path / "e.json", "--movement-view", "hold", "--no-cache")
+    done = mcsl("--progress", "json", "analyse", recording, *how)
+    assert done.returncode == 0, done.stdout + done.stderr
+    messages = [json.loads(line) for line in done.stdout.splitlines()]
+    steps = [(m["step"], m["of"]) for m in messages if "step" in m]
+    assert steps == [(n, len(steps)) for n in range(1, len(steps) + 1)]
+    assert not [m for m in messages if m.get("stage") in ("Placing poses by the lamp", "Following the lamp")]
 
 
 def test_an_error_as_json_has_the_remedy(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import threading
 import pytest
 
 from mcsl_core.errors import Cancelled
-from mcsl_core.progress import CancelToken, JsonLines, Progress, Silent, counted
+from mcsl_core.progress import CancelToken, JsonLines, Progress, Silent, Steps, counted
 
 
 def lines(stream: io.StringIO) -> list[dict]:
@@ -41,6 +41,17 @@ def test_every_message_is_one_json_object_a_line():
         {"result": {"edl": "edl.json"}},
         {"error": {"what": "is silent", "where": "cam1.mp4", "remedy": "Use --sync motion", "exit_code": 3}},
     ]
+
+
+def test_a_step_is_told_by_its_place_in_the_list_and_those_left_out_keep_theirs():
+    stream = io.StringIO()
+    steps = Steps(JsonLines(stream), ["files", "sound", "pictures"])
+    steps.begin("files")  # it has begun already
+    steps.begin("pictures")
+    assert lines(stream) == [{"step": 1, "of": 3}, {"step": 3, "of": 3}]
+    with pytest.raises(ValueError, match="tuple"):
+        steps.begin("colours")
+    Steps(Silent(), ["files", "sound"]).begin("sound")  # who does not count is told nothing
 
 
 def test_the_lines_pass_a_pipe_of_any_encoding():

@@ -253,6 +253,7 @@ JAPANESE: dict[str, str] = {
     "Next: shots, look and render appear here after the analysis": (
         "次: 解析が終わると、ショット・ルック・レンダリングがここに現れます"
     ),
+    "Stage {number} of {count}: {stage}": "段階 {number}/{count}：{stage}",
     "{stage}, {time} left": "{stage}、残り {time}",
     "{camera} is shown already": "すでに {camera} を表示しています",
     "{camera} from frame {frame}": "フレーム {frame} から {camera}",

@@ -38,14 +38,17 @@ def ended(job: Job, timeout_s: float) -> Status:
     return job.status
 
 
-def test_stages_are_counted_and_the_time_left_follows_the_pace():
-    job = child('say(stage="a"); say(stage="b", total=1000)\nfor i in range(1000): say(done=i); time.sleep(0.05)')
+def test_a_stage_knows_its_step_and_the_time_left_follows_the_pace():
+    job = child(
+        'say(step=2, of=3); say(stage="b", total=1000); say(step=3, of=3)\n'
+        "for i in range(1000): say(done=i); time.sleep(0.05)"
+    )
     until = time.monotonic() + 30
     while (left := job.left_s()) is None and time.monotonic() < until:
         job.pump()
         time.sleep(0.01)
     status = job.pump()
-    assert (status.stage, status.number) == ("b", 2)
+    assert (status.stage, status.step, status.steps) == ("b", 2, 3), "a step is shown with its first stage"
     assert left is not None
     assert left > 20  # 50 s at the least for all of it, of which little more than PACE_S has gone by
     job.kill()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import sys
 from pathlib import Path
 
 import pytest
@@ -107,6 +109,40 @@ def test_pulling_from_outside_takes_stale_pictures_away_as_well(built, blender):
     in_blender(blender, built, "at(5, 30).multicam_source = 2")
     pull_overrides(built, blender=blender)
     assert [mute for *_, mute in in_blender(blender, built, look, save=False)] == [False, False, False]
+
+
+SLOW = """
+import json, time
+def say(**message): print(json.dumps(message), flush=True)
+say(step=2, of=3); say(stage="Scoring the views", total=1000, unit="samples"); say(done=0)
+time.sleep(2.5); say(done=500); time.sleep(60)
+"""
+
+
+@pytest.mark.both_blenders
+def test_a_running_job_says_which_stage_of_how_many_it_is_in_and_how_long_that_takes(built, blender):
+    code = (
+        ON
+        + MCSL
+        + f"""
+    def stages(title, until):
+        seen, deadline = [], time.monotonic() + 120
+        while job_runner.pump() and time.monotonic() < deadline:
+            for text in texts("MCSL_PT_" + title):
+                if "Stage" in text and text not in seen: seen.append(text)
+            if until in "".join(seen[-1:]): break
+        return seen
+    bpy.ops.mcsl.conform()
+    out = [stages("conform", "never")]
+    job_runner.start("Analysis", [{sys.executable!r}, "-c", {SLOW!r}])
+    out.append(stages("analyse", "left")[-1])
+    job_runner.desk.running.job.kill()
+    """
+    )
+    conforming, analysis = in_blender(blender, built, code, save=False)
+    told = [line.partition(",")[0] for line in conforming]
+    assert told[-1] == "Stage 3 of 3: Conforming", told
+    assert re.fullmatch(r"Stage 2 of 3: Scoring the views, 0:0[1-9] left", analysis)
 
 
 FAULTS = {

@@ -24,6 +24,7 @@ from mcsl_core.blender.messages import (
     RenderRequest,
     Result,
     Stage,
+    Step,
     TimelineRequest,
     parse_message,
     structure,
@@ -84,6 +85,7 @@ def test_a_relative_path_is_refused_where_the_request_is_made():
 def test_what_progress_writes_is_what_messages_read():
     stream = io.StringIO()
     progress = JsonLines(stream)
+    progress.step(3, 14)
     progress.stage("aligning", 8, "poses")
     progress.stage("starting")
     progress.advance(8)
@@ -91,6 +93,7 @@ def test_what_progress_writes_is_what_messages_read():
     progress.result({"edl": "x.json", "shots": 3})
     progress.error("is missing", "cam1.mp4", "Put it back", 3)
     assert [parse_message(line) for line in stream.getvalue().splitlines()] == [
+        Step(3, 14),
         Stage("aligning", 8, "poses"),
         Stage("starting"),
         Done(8),
@@ -112,6 +115,7 @@ def test_what_is_no_message_is_not_for_us(line):
     ("line", "path"),
     [
         ('{"done": "3"}', r"\$\.done: expected a whole number"),
+        ('{"step": 0, "of": 3}', r"\$\.step: must be 1 or more"),
         ('{"done": -1}', r"\$\.done: must be 0 or more"),
         ('{"stage": "x", "total": "9"}', r"\$\.total: expected a whole number"),
         ('{"error": {"where": "x"}}', r"\$\.error\.what: |\$\.error: "),
