@@ -15,9 +15,12 @@ from attrs import frozen
 
 from mcsl_core.edl.resolve import Decisions
 from mcsl_core.errors import InputError
+from mcsl_core.timing import FrameRange
 
+from .carry_over import ranges_of
 from .corrections import FoundCamera
 from .read_overrides import FoundStrip, SequencerState, in_order
+from .stale import without
 
 
 @frozen
@@ -33,6 +36,17 @@ def deciding(strips: Iterable[FoundStrip], frame: int) -> FoundStrip | None:
     """The strip that decides at a programme frame, or None where the automatic choice holds."""
     there = [s for s in strips if not s.muted and s.start <= frame < s.stop]
     return max(there, key=lambda s: s.channel, default=None)
+
+
+def muted_over(strips: Sequence[FoundStrip], pieces: Iterable[FrameRange]) -> tuple[tuple[FrameRange, str], ...]:
+    """Where in ``pieces`` no shot shows because the one that lies there is muted, and the name of that strip."""
+    bare = without(pieces, ranges_of((s.start, s.stop) for s in strips if not s.muted))
+    found = []
+    for strip in sorted((s for s in strips if s.muted), key=lambda s: s.channel, reverse=True):
+        under = [both for own in ranges_of([(strip.start, strip.stop)]) for p in bare if (both := p.intersection(own))]
+        found += [(piece, strip.name) for piece in under]
+        bare = without(bare, under)
+    return tuple(sorted(found))
 
 
 def switch(state: SequencerState, frame: int, camera: str, *, whole: bool = False) -> Switch | None:

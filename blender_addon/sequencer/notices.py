@@ -17,6 +17,7 @@ from mcsl_core.timing import FrameRange, joined
 from ..core import times
 from ..core.carry_over import ranges_of
 from ..core.field import remarks_on_drawing
+from ..core.multicam import muted_over
 from ..core.outside import remark_on
 from ..core.read_overrides import SequencerState
 from ..core.stale import touching, without
@@ -50,6 +51,15 @@ def _of_gaps(edl: Edl, state: SequencerState) -> Iterator[str]:
     """Where no shot lies: the video has the analysis' camera there, but the preview cannot know it."""
     there = ranges_of((strip.start, strip.stop) for strip in state.strips if not strip.muted)
     gaps = without([FrameRange(0, edl.frames)], there)
+    muted = muted_over(state.strips, gaps)
+    for gap, name in muted[:_NAMED]:
+        yield (
+            f"frames {gap.start + 1} to {gap.stop} show no shot, because strip {name!r} is muted: the video shows what "
+            "the analysis chose, the preview another camera; unmute it, or delete it and press Revert to Automatic"
+        )
+    if len(muted) > _NAMED:
+        yield f"and {len(muted) - _NAMED} more stretches show no shot because it is muted"
+    gaps = without(gaps, [gap for gap, _ in muted])
     for gap in gaps[:_NAMED]:
         yield (
             f"frames {gap.start + 1} to {gap.stop} have no shot: the video shows what the analysis chose, the preview "

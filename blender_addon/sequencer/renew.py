@@ -80,16 +80,20 @@ def rebuild_timeline(scene: Any, plan: StripPlan, base: Path, *, exact: bool = F
 
 
 def lay_missing(scene: Any, plan: StripPlan, piece: FrameRange) -> None:
-    """Programme strips over what of ``piece`` has none any more, where the preview shows what nobody chose."""
+    """Programme strips over what of ``piece`` has none any more, where the preview shows what nobody chose.
+
+    A muted one is the editor's doing and keeps its place; on other channels it stands in nobody's way.
+    """
     strips = scene.sequence_editor.strips
     sources = {strip[CAMERA]: strip.channel for strip in strips if role_of(strip) == "camera"}  # an editor moves tracks
     channels = [strip.channel for strip in strips if role_of(strip) == "programme" and not strip.mute]
-    there = [ends(strip) for strip in strips_of(scene, "MULTICAM")]
+    channel = channels[0] if channels else plan.programme_channel
+    there = [ends(strip) for strip in strips_of(scene, "MULTICAM") if not strip.mute or strip.channel == channel]
     for span, place in _shots_without(plan, there):
         number, shot = place.value
         if (part := span.intersection(piece)) and shot.camera in sources:
             shot = attrs.evolve(shot, source=sources[shot.camera])
-            lay_shot(scene, number, shot, channels[0] if channels else plan.programme_channel, part)
+            lay_shot(scene, number, shot, channel, part)
     deselect(scene)
 
 

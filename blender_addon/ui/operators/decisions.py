@@ -23,6 +23,8 @@ from ...sequencer.touched import Work
 from .. import refresh
 from ..translations.lookup import told
 
+NAMED = 3  # stretches that show no shot
+
 
 class MCSL_OT_go_to_override(bpy.types.Operator):
     """Go to the next stretch that an editor decided"""
@@ -164,6 +166,9 @@ class MCSL_OT_revert(bpy.types.Operator):
         refresh.refresh_timeline(scene)
         left = sum(row.overridden for row in refresh.rows())
         self.report({"INFO"}, told("automatic again; {count} overrides left").format(count=left))
+        for span, name in multicam.muted_over(read_timeline(scene).strips, [piece])[:NAMED]:
+            text = told("frames {first} to {last} show no shot: {strip} is muted there. Unmute it, or delete it first")
+            self.report({"WARNING"}, text.format(first=span.start + 1, last=span.stop, strip=name))
         return {"FINISHED"}
 
 

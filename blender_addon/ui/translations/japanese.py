@@ -296,6 +296,10 @@ JAPANESE: dict[str, str] = {
     "There is no other override": "ほかに手動変更はありません",
     "The playhead is outside the programme": "再生ヘッドが本編の外にあります",
     "There is no shot at the playhead": "再生ヘッドにショットがありません",
+    "frames {first} to {last} show no shot: {strip} is muted there. Unmute it, or delete it first": (
+        "フレーム {first} から {last} にはショットが映りません：{strip} がミュートされています。"
+        "ミュートを解除するか、先に削除してください"
+    ),
     "automatic again; {count} overrides left": "自動に戻しました。残りの手動変更 {count} 件",
     "Open a preview beside the sequencer": "シーケンサーの横にプレビューを開いてください",
     "Frame": "フレーム",

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from blender_addon.core.multicam import (
     Switch,
     deciding,
+    muted_over,
     overridden,
     replaced,
     shown_cameras,
@@ -78,6 +79,19 @@ def test_the_topmost_strip_that_is_not_muted_is_the_shot():
     found = [deciding(state.strips, frame) for frame in (119, 120, 139, 140)]
     assert [strip.name for strip in found if strip] == ["shot-0000100", "mine", "mine", "shot-0000100"]
     assert switch(state, 130, "cam3") == Switch("mine", 3, 130)
+
+
+def test_where_only_muted_strips_lie_no_shot_shows_and_the_topmost_is_named():
+    state = built(small_edl())
+    strips = [attrs.evolve(s, muted=s.start == 100) for s in state.strips]
+    strips.append(FoundStrip("mine", TOP + 2, 120, 140, CHANNEL["cam1"]))
+    strips.append(FoundStrip("off", TOP + 3, -10, 110, CHANNEL["cam1"], muted=True))
+    assert muted_over(strips, [R(90, 300)]) == (
+        (R(100, 110), "off"),
+        (R(110, 120), "shot-0000100"),
+        (R(140, 200), "shot-0000100"),
+    )
+    assert muted_over(state.strips, [R(0, 300)]) == ()
 
 
 def test_without_a_shot_or_a_strip_of_the_camera_it_says_so():

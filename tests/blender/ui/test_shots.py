@@ -82,3 +82,25 @@ def test_a_deleted_shot_is_told_and_laid_again(built, blender):
     told, done, restored, still, name = in_blender(blender, built, SWITCH_ON + LEFT + code)
     assert "frames 21 to 40 have no shot" in told
     assert (done, restored, still, name) == (True, True, False, "2: cam2 [2]")
+
+
+def test_a_muted_shot_keeps_its_place_and_what_it_leaves_empty_is_told(built, blender):
+    """Muted on its own channel the shot cannot be laid beside it; on another channel it is in nobody's way."""
+    code = """
+    at(5, 25).mute = True
+    refresh.refresh_timeline(scene)
+    before, told = shots(), state.notices
+    scene.frame_set(30 + 1)
+    done = bpy.ops.mcsl.revert() == {"FINISHED"}
+    out = [told, done, shots() == before, at(5, 25).mute]
+    at(5, 25).channel = 20
+    bpy.ops.mcsl.revert()
+    refresh.refresh_timeline(scene)
+    out += [shots(), [[s.channel, *span(s)] for s in strips if s.type == "MULTICAM" and s.mute], state.notices]
+    """
+    told, done, same, muted, after, off, still = in_blender(blender, built, SWITCH_ON + LEFT + code, save=False)
+    assert "frames 21 to 40 show no shot, because strip '2: cam2 [2]' is muted" in told
+    assert (done, same, muted) == (True, True, True)
+    assert after.count([20, 40, 2]) == 2
+    assert off == [[20, 20, 40]]
+    assert "show no shot" not in still
