@@ -7,6 +7,7 @@ They are the editor's to lay, move, trim and delete; core/removal.py says what t
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import count
 from typing import Any
 
 from mcsl_core.errors import InputError
@@ -45,23 +46,40 @@ def keep_marks(scene: Any, removed: Sequence[FrameRange]) -> None:
         lay_marks(scene, removed)
 
 
+def check_room(scene: Any, removed: Sequence[FrameRange], highest: int) -> None:
+    """InputError where `lay_marks` will need a mark and finds no channel; highest: of all other strips by then."""
+    if highest >= HIGHEST_CHANNEL and _to_lay(scene, removed)[1]:
+        raise _no_channel()
+
+
 def lay_marks(scene: Any, removed: Sequence[FrameRange]) -> None:
     """Marks over what the EDL has removed, and over what the editor marked and the EDL has not yet.
 
-    Marks that lie right stay the strips they are.
+    Marks that lie right stay the strips they are. InputError, before anything is changed, where there is no channel
+    left.
     """
-    wanted = merged(removed, read_marks(scene))
-    for strip in marks_of(scene):
-        if (span := _span(strip)) is not None and without([span], wanted):
-            scene.sequence_editor.strips.remove(strip)
-    for piece in without(wanted, read_marks(scene).marks):
+    check_room(scene, removed, _channel(scene) - 1)
+    gone, pieces = _to_lay(scene, removed)
+    for strip in gone:
+        scene.sequence_editor.strips.remove(strip)
+    for piece in pieces:
         mark(scene, piece)
     scene[REMOVED_UPON] = to_text(removed)  # from now on marks are read against that
 
 
+def _to_lay(scene: Any, removed: Sequence[FrameRange]) -> tuple[list[Any], tuple[FrameRange, ...]]:
+    """The marks that lie wrong, and the stretches that have none once those are gone."""
+    wanted, marks = merged(removed, read_marks(scene)), marks_of(scene)
+    gone = [strip for strip in marks if (span := _span(strip)) is not None and without([span], wanted)]
+    return gone, without(wanted, ranges_of(ends(strip) for strip in marks if strip not in gone))
+
+
 def mark(scene: Any, piece: FrameRange) -> None:
     """A mark over programme frames. InputError where there is no channel left for it."""
-    channel = _channel(scene, piece)
+    taken = {s.channel for s in marks_of(scene) if (span := _span(s)) is not None and span.intersection(piece)}
+    channel = next(number for number in count(_channel(scene)) if number not in taken)
+    if channel > HIGHEST_CHANNEL:
+        raise _no_channel()
     strip = new_effect(scene, "Removed", "ADJUSTMENT", channel, piece.start, piece.stop)
     strip[MARK] = "removed"
     strip.color_multiply, strip.color_tag = _DARK, _COLOUR
@@ -95,17 +113,16 @@ def _span(strip: Any) -> FrameRange | None:
     return FrameRange(max(start, 0), stop) if stop > max(start, 0) else None
 
 
-def _channel(scene: Any, piece: FrameRange) -> int:
-    """The first above all strips and Conformed, so that a mark lies over whatever is shown; beside other marks."""
+def _channel(scene: Any) -> int:
+    """The first above all strips and Conformed, so that a mark lies over whatever is shown."""
     ours = {strip.name for strip in marks_of(scene)}
     others = [strip for strip in scene.sequence_editor.strips if strip.name not in ours]
-    channel = max((strip.channel + (role_of(strip) == "centering") for strip in others), default=0) + 1
-    taken = {s.channel for s in marks_of(scene) if (span := _span(s)) is not None and span.intersection(piece)}
-    channel = next(number for number in range(channel, channel + len(taken) + 1) if number not in taken)
-    if channel > HIGHEST_CHANNEL:
-        raise InputError(
-            "has no channel left above all strips for the marks over what is removed",
-            where="the sequencer",
-            remedy="Move your highest strips down",
-        )
-    return channel
+    return max((strip.channel + (role_of(strip) == "centering") for strip in others), default=0) + 1
+
+
+def _no_channel() -> InputError:
+    return InputError(
+        "has no channel left above all strips for the marks over what is removed",
+        where="the sequencer",
+        remedy="Move your highest strips down",
+    )

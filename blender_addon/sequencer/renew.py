@@ -25,7 +25,7 @@ from .centering_keys import set_centering_keys
 from .compat import ends, set_ends, strips_of
 from .edit import HIGHEST_CHANNEL, effect_inputs, remove, split_at
 from .films import link_film
-from .marks import lay_marks
+from .marks import check_room, lay_marks, marks_of
 from .scene_properties import (
     AUTOMATIC_CAMERA,
     CAMERA,
@@ -43,22 +43,24 @@ def rebuild_timeline(scene: Any, plan: StripPlan, base: Path, *, exact: bool = F
 
     The camera strips stay as well, unless the EDL's cameras, files or poses are others than when they were made. Where
     one of the editor's strips lies on our channels, all of them move up together, keeping their order. Returns what
-    there is to say. exact: the conformed pictures in place still hold and stay, whatever the plan has.
+    there is to say. exact: the conformed pictures in place still hold and stay, whatever the plan has. InputError,
+    before anything is changed, where Blender has too few channels for it.
     """
     editor = scene.sequence_editor
     others = scene.get(TRACKS_HASH) not in (None, tracks_key(plan.cameras))
     cameras = {s[CAMERA] for s in editor.strips if role_of(s) == "camera"}
     was = FIRST_CAMERA_CHANNEL + len(cameras)  # the Programme's channel until now
     work = Work(scene)
-    kept = {name: [] for name in ("programme", "centering", "camera")}
-    for strip in list(editor.strips):
+    kept, gone = {name: [] for name in ("programme", "centering", "camera")}, []
+    for strip in editor.strips:
         role = "programme" if strip.type == "MULTICAM" and not strip.mute else role_of(strip)
         if role not in kept or (role == "camera" and not others):
             continue
-        if (strip.type == "MULTICAM" and strip.mute) or not work.on(strip):
-            editor.strips.remove(strip)
-        else:
-            kept[role].append(strip)
+        goes = (strip.type == "MULTICAM" and strip.mute) or not work.on(strip)
+        (gone if goes else kept[role]).append(strip)
+    _check_room(scene, plan, was, gone)
+    for strip in gone:
+        editor.strips.remove(strip)
     notes = _make_room(scene, plan, was)
     if others:
         notes.append("the EDL has other cameras, files or poses than this timeline: its camera strips were made anew")
@@ -102,21 +104,34 @@ def _shots_without(plan: StripPlan, spans: Iterable[tuple[int, int]]) -> Iterabl
     return uncovered([Place(shot.range, value=(number, shot)) for number, shot in enumerate(plan.programme, 1)], spans)
 
 
-def _make_room(scene: Any, plan: StripPlan, was: int) -> list[str]:
-    """Our strips that stay, and the editor's above, move to where the plan has room for them; a remark if his did."""
-    editor, notes = scene.sequence_editor, []
-    shift = plan.programme_channel - was
-    ours = [s for s in editor.strips if role_of(s) in ("programme", "centering", "conformed")]
-    lowest = min(plan.programme_channel, was)
-    above = [s for s in editor.strips if role_of(s) in ("", "removed") and s.channel >= lowest]
-    above.sort(key=_by_channel)
-    lift = max(0, plan.conformed_channel + 1 - above[0].channel) if above else 0
+def _check_room(scene: Any, plan: StripPlan, was: int, gone: Sequence[Any]) -> None:
+    """InputError where the editor's strips, or marks above them, would need more channels than there are."""
+    above, lift = _above(scene, plan, was, gone)
     if lift and above[-1].channel + lift > HIGHEST_CHANNEL:
         raise InputError(
             "has no channel left above Conformed for your strips",
             where=f"strip {above[-1].name!r} on channel {above[-1].channel}",
             remedy="Move your highest strips down",
         )
+    marks = marks_of(scene)
+    highest = max((strip.channel + lift for strip in above if strip not in marks), default=0)
+    check_room(scene, plan.removed, max(plan.conformed_channel, highest))
+
+
+def _above(scene: Any, plan: StripPlan, was: int, gone: Sequence[Any] = ()) -> tuple[list[Any], int]:
+    """The editor's strips on our channels or above, the lowest first, and by how many channels they have to move up."""
+    lowest = min(plan.programme_channel, was)
+    strips = [s for s in scene.sequence_editor.strips if role_of(s) in ("", "removed") and s.channel >= lowest]
+    above = sorted((s for s in strips if s not in gone), key=_by_channel)
+    return above, max(0, plan.conformed_channel + 1 - above[0].channel) if above else 0
+
+
+def _make_room(scene: Any, plan: StripPlan, was: int) -> list[str]:
+    """Our strips that stay, and the editor's above, move to where the plan has room for them; a remark if his did."""
+    editor, notes = scene.sequence_editor, []
+    shift = plan.programme_channel - was
+    ours = [s for s in editor.strips if role_of(s) in ("programme", "centering", "conformed")]
+    above, lift = _above(scene, plan, was)
     moves = {s.channel: shift for s in ours if shift} | ({s.channel: lift for s in above} if lift else {})
     if lift:
         _move(above, lift)

@@ -139,3 +139,31 @@ def test_a_mark_that_begins_before_the_programme_is_one_all_the_same(marked, ble
     out = [before, done, edl_has()]
     """
     assert in_blender(blender, marked, PANEL + code) == [[[0, 9], [50, FRAMES]], True, [[4, 9], [50, FRAMES]]]
+
+
+@pytest.mark.parametrize("channels", [(128,), (6, 128)], ids=["for marks", "for the editor's strips"])
+def test_where_channels_do_not_suffice_nothing_is_changed(marked, blender, channels):
+    """Marks need a channel above all strips, strips on our channels have to move up with all that lie above them."""
+    path = marked.parent / "edl.json"
+    code = f"""
+    from pathlib import Path
+    from blender_addon.core.strip_plan import make_plan
+    from blender_addon.sequencer.renew import rebuild_timeline
+    from mcsl_core import edl as edls
+    from mcsl_core.errors import InputError
+    from mcsl_core.timing import FrameRange
+    import attrs
+    def listing(): return sorted([s.name, s.channel, *span(s), s.mute] for s in strips)
+    for channel in {channels}:
+        strips.new_effect(name=f"mine {{channel}}", type="COLOR", channel=channel, frame_start=1, **(
+            {{"length": 10}} if bpy.app.version >= (5, 0, 0) else {{"frame_end": 11}}))
+    edl = edls.load(Path({str(path)!r}))
+    more = attrs.evolve(edl, removed=(FrameRange(5, 30), *edl.removed[1:]))
+    before, keys, said = listing(), dict(scene), ""
+    try: rebuild_timeline(scene, make_plan(more), Path({str(path.parent)!r}))
+    except InputError as error: said = str(error)
+    out = [said, before == listing(), keys == dict(scene)]
+    """
+    said, same, properties = in_blender(blender, marked, SWITCH_ON + code, save=False)
+    assert "has no channel left above" in said
+    assert (same, properties) == (True, True)
