@@ -90,7 +90,7 @@ def cuts(scene, chance):
         press = lambda: bpy.ops.mcsl.switch_camera("EXEC_DEFAULT", True, number=chance.randint(1, 5))
         done, *press_s = timed(press)
         if done == {"FINISHED"}:
-            _, *quiet_s = timed(refresh._quiet)
+            _, *quiet_s = timed(refresh.refresh_changed)
             found.append((press_s, quiet_s))
     return [[statistics.median(times) for times in zip(*part)] for part in zip(*found)]
 

@@ -14,7 +14,7 @@ _MODULES = (
     "ui.operators",
     "ui.operators.multicam",
     "ui.panels",
-    "ui.refresh",
+    "ui.handlers",
     "ui.angle_marks",
     "ui.override_marks",
     "ui.render_guard",

@@ -43,6 +43,7 @@ SOUND_LAID = "mcsl_sound"  # where sound was laid, as JSON [[start, stop], ...]:
 SILENT = "mcsl_silent"  # it was built without sound, as was asked
 PROXIES = "mcsl_proxies"  # the camera strips take their preview from proxies
 DELIVERED = "mcsl_delivered"  # no timeline, but what is delivered of one, made to be rendered
+SOUND_OF = "mcsl_sound_of"  # whose sound was laid, as the EDL names it, or "": automatic
 SOUND_FROM = "mcsl_sound_from"  # the camera whose sound was chosen since the EDL was written, none, or "": automatic
 DRAWN_FIELDS = "mcsl_drawn_fields"  # the surgical field drawn by hand since the EDL was written last, as text
 REMOVED_UPON = "mcsl_removed_upon"  # what the EDL had removed when the marks were laid, as JSON [[start, stop], ...]
@@ -214,6 +215,7 @@ def set_ids(scene: Any, edl: Edl, path: Path, folder: Path | None) -> None:
     """Notes in the scene what it was built from. folder: the .blend's; None while it has no name yet."""
     scene[MARK] = TIMELINE_SCHEMA
     scene[OVERRIDE_COUNT] = len(edl.overrides)
+    scene[SOUND_OF] = edl.audio_from or ""
     scene[CAMERA_NAMES] = json.dumps([camera.name for camera in edl.cameras], ensure_ascii=False)
     scene[RECORDING] = identity.facts_to_text(identity.facts_of(edl))
     note_home(scene, path, folder)

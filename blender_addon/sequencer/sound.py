@@ -15,14 +15,15 @@ from typing import Any
 
 import bpy  # pyright: ignore[reportMissingImports]
 
+from mcsl_core.edl import Edl
 from mcsl_core.timing import FrameRange
 
 from ..core.carry_over import Place, expected_start, is_ours, parts_of, ranges_of, silent_now, sound_places
 from ..core.stale import without
-from ..core.strip_plan import AUDIO_CHANNEL, StripPlan, automatic_from_text
+from ..core.strip_plan import AUDIO_CHANNEL, StripPlan, automatic_from_text, make_plan
 from .compat import content_start, ends, set_content_start, set_ends
 from .edit import check_there, parked, remove, split_at, split_strip
-from .scene_properties import AUTOMATIC_CAMERA, MARK, SILENT, SOUND_LAID, note_placed, placed_of, role_of
+from .scene_properties import AUTOMATIC_CAMERA, MARK, SILENT, SOUND_LAID, SOUND_OF, note_placed, placed_of, role_of
 from .touched import Work
 
 
@@ -94,6 +95,19 @@ def choose_sound(scene: Any, plan: StripPlan, base: Path) -> list[str]:
         del scene[SILENT]
         _note_laid(scene, ())
     return renew_sound(scene, plan, base)
+
+
+def follow_choice(scene: Any, edl: Edl, base: Path) -> list[str] | None:
+    """The sound that ``edl`` takes, where another's was laid; notes for a person, None where nothing was changed.
+
+    So it is where the EDL was changed elsewhere, and where a choice was undone here that the EDL has got already.
+    """
+    wanted, laid = edl.audio_from or "", scene.get(SOUND_OF)
+    if laid is None or laid == wanted or scene.get(SILENT):
+        return None
+    notes = choose_sound(scene, make_plan(edl), base)
+    scene[SOUND_OF] = wanted
+    return notes
 
 
 def keep_silent(scene: Any, plan: StripPlan) -> None:

@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Keeps what follows from decisions in line with them: the list of shots, conformed pictures, the centering preview.
 
-A change marks the timeline; a timer refreshes it once it has been quiet for `QUIET_S`, so that dragging a cut stays
-smooth (2,000 shots take some tenths of a second). Before saving it is refreshed in any case, so that a file never says
-one thing and shows another, wherever it is rendered; after loading as well. Without a window the log takes the warning.
+When that happens is `handlers`' to say.
 """
 
 from __future__ import annotations
@@ -23,12 +21,13 @@ from mcsl_core.edl.resolve import Decisions, DecisionsByPose, resolve, resolve_b
 from mcsl_core.errors import McslError
 from mcsl_core.timing import FrameRange
 
-from ..core import identity, multicam, shot_list
+from ..core import multicam, shot_list
 from ..core.corrections import FoundCamera
 from ..core.moving import followed_ranges
 from ..core.read_overrides import FoundStrip, SequencerState, read_edl
 from ..core.strip_plan import camera_tracks, centred, key_numbers, offset_keys
 from ..sequencer import conformed, scene_properties
+from ..sequencer.build import deselect
 from ..sequencer.camera_keys import follow_movements
 from ..sequencer.centering_keys import keyed_by_hand, set_centering_keys
 from ..sequencer.compat import sequencer_scene, strips_of
@@ -37,14 +36,11 @@ from ..sequencer.marks import keep_marks
 from ..sequencer.notices import notices
 from ..sequencer.read import read_shot, read_timeline
 from ..sequencer.read_times import read_films
-from . import first_view, job_runner, render_guard
-from .translations.lookup import told
-
-QUIET_S = 0.4
+from ..sequencer.sound import follow_choice
+from . import job_runner
 
 _busy = False  # what we change ourselves is no news
 _last: dict[str, _Refreshed] = {}  # scene -> what was found when it was last refreshed
-_before_saving: dict[str, dict[str, Any]] = {}  # scene -> its way to the EDL, where saving elsewhere changes it
 _listed: tuple[Fraction, tuple[shot_list.ShotRow, ...]] = Fraction(0), ()  # as the panel's list of shots was filled
 
 
@@ -119,7 +115,7 @@ def _bring_in_line(scene: Any, cut: tuple[FoundStrip, Sequence[Any]] | None = No
         by_pose = resolve_by_pose(edl, decisions)
         held = conformed.keep_true(scene, edl, by_pose)
         centring = _centre(scene, edl, by_pose, before.centred if before is not None else ())
-        if _follow(scene, edl):
+        if _hear(scene, edl) | _follow(scene, edl):
             state = read_timeline(scene)
         elif held.changed:
             state = attrs.evolve(state, films=read_films(scene))
@@ -160,6 +156,31 @@ def _notice(scene: Any) -> None:
         bpy.context.window_manager.mcsl_state.notices = "\n".join(notices(scene, last.edl, last.state))
 
 
+def refresh_changed() -> None:
+    """Brings in line what timelines have changed since the last time."""
+    for scene in timelines():
+        if _is_as_it_was(scene):
+            _notice(scene)
+            job_runner.redraw()
+        else:
+            refresh_timeline(scene)
+
+
+def busy() -> bool:
+    """Whether what changes now is our own doing."""
+    return _busy
+
+
+def forget() -> None:
+    """Another file is open: nothing is known of its timelines."""
+    state = bpy.context.window_manager.mcsl_state
+    _last.clear()
+    state.shots.clear()
+    state.notices = ""
+    for name in ("problem", "outstanding_s", "lost_s", "removed_s", "removals", "overrides", "short_shots"):
+        state.property_unset(name)
+
+
 def _is_as_it_was(scene: Any) -> bool:
     """Whether nothing that decides has changed since the last refresh: it was our own change that was heard of."""
     last = _last.get(scene.name)
@@ -195,6 +216,17 @@ def _follow(scene: Any, edl: Edl) -> bool:
         scene[scene_properties.FOLLOWED_FOR] = text
         return True
     return False
+
+
+def _hear(scene: Any, edl: Edl) -> bool:
+    """The sound follows the EDL; whether another's had to be laid."""
+    notes = follow_choice(scene, edl, scene_properties.edl_path(scene, Path(bpy.data.filepath)).parent)
+    if notes is None:
+        return False
+    deselect(scene)
+    if notes:
+        job_runner.say(". ".join(notes), "WARNING")
+    return True
 
 
 def _tell(
@@ -276,118 +308,3 @@ def shown_scene() -> Any:
     if scene in found or len(found) != 1:
         return scene
     return found[0]
-
-
-# ------------------------------------------------------------------------------------------------------ when
-
-
-def mark() -> None:
-    """The timeline may have changed: refresh it when it is quiet."""
-    if bpy.app.timers.is_registered(_quiet):
-        bpy.app.timers.unregister(_quiet)
-    bpy.app.timers.register(_quiet, first_interval=QUIET_S)
-
-
-def _quiet() -> None:
-    for scene in timelines():
-        if _is_as_it_was(scene):
-            _notice(scene)
-            job_runner.redraw()
-        else:
-            refresh_timeline(scene)
-
-
-@bpy.app.handlers.persistent
-def _changed(_scene: Any, depsgraph: Any = None) -> None:
-    if _busy or bpy.app.background or (depsgraph is not None and not depsgraph.id_type_updated("SCENE")):
-        return
-    mark()
-
-
-@bpy.app.handlers.persistent
-def _saving(target: Any = "", *_: Any) -> None:
-    render_guard.before_saving()
-    new = target if isinstance(target, str) and target else bpy.data.filepath
-    for scene in timelines():
-        refresh_timeline(scene)
-        if new:
-            old = Path(bpy.data.filepath).parent if bpy.data.filepath else None
-            _note_saving(scene, old, Path(new).parent)
-
-
-def _note_saving(scene: Any, old: Path | None, new: Path) -> None:
-    """The way to the EDL goes along with the file; so does the panel's, which is the same unless another was named."""
-    noted = {name: scene.get(name) for name in (scene_properties.EDL_PATH, scene_properties.HOME)}
-    try:
-        scene_properties.note_saving(scene, old, new)
-    except McslError:
-        return  # it is not found where it is now either
-    _follow_panel(scene, noted[scene_properties.EDL_PATH])
-    if old is not None and scene.get(scene_properties.EDL_PATH) != noted[scene_properties.EDL_PATH]:
-        _before_saving[scene.name] = noted
-
-
-def _follow_panel(scene: Any, was: Any) -> None:
-    if scene.mcsl_work.edl == was:
-        scene.mcsl_work.edl = scene[scene_properties.EDL_PATH]
-
-
-@bpy.app.handlers.persistent
-def _saved(*_: Any) -> None:
-    """Where a copy was saved, or nothing could be, the open file stays where it is: so does its way to the EDL."""
-    folder = Path(bpy.data.filepath).parent
-    for name, noted in _before_saving.items():
-        scene = bpy.data.scenes.get(name)
-        if scene is not None and scene.get(scene_properties.HOME) != identity.home_of(folder):
-            was = scene.get(scene_properties.EDL_PATH)
-            for key, value in noted.items():
-                scene[key] = value
-            _follow_panel(scene, was)
-    _before_saving.clear()
-
-
-@bpy.app.handlers.persistent
-def _loaded(*_: Any) -> None:
-    state = bpy.context.window_manager.mcsl_state
-    _last.clear()
-    state.shots.clear()
-    state.notices = ""
-    for name in ("problem", "outstanding_s", "lost_s", "removed_s", "removals", "overrides", "short_shots"):
-        state.property_unset(name)
-    if timelines():
-        first_view.open_tab()
-    for scene in timelines():
-        show_recording(scene)
-        problem = refresh_timeline(scene)
-        if not bpy.app.background:
-            continue
-        if problem:
-            print(f"mcsl: warning: {Path(bpy.data.filepath).name}: {problem}", flush=True)
-        elif conformed.conformed_strips(scene) and state.outstanding_s > 0:
-            text = told("{seconds} of the programme show the preview, not the exact pictures. Conform before rendering")
-            print(f"mcsl: warning: {text.format(seconds=shot_list.seconds_text(state.outstanding_s))}", flush=True)
-
-
-HANDLERS = {
-    "depsgraph_update_post": _changed,
-    "undo_post": _changed,
-    "redo_post": _changed,
-    "save_pre": _saving,
-    "save_post": _saved,
-    "save_post_fail": _saved,
-    "load_post": _loaded,
-}
-
-
-def register() -> None:
-    for name, handler in HANDLERS.items():
-        getattr(bpy.app.handlers, name).append(handler)
-    if not bpy.app.background:
-        mark()
-
-
-def unregister() -> None:
-    if bpy.app.timers.is_registered(_quiet):
-        bpy.app.timers.unregister(_quiet)
-    for name, handler in HANDLERS.items():
-        getattr(bpy.app.handlers, name).remove(handler)

@@ -50,6 +50,7 @@ SAVED = {  # in .blend files that editors have: never to be renamed
     "mcsl_silent",
     "mcsl_sound",
     "mcsl_sound_from",
+    "mcsl_sound_of",
     "mcsl_surface",
     "mcsl_tag",
     "mcsl_tracks",

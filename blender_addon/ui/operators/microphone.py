@@ -63,6 +63,7 @@ class MCSL_OT_sound_from(bpy.types.Operator):
                 scene[scene_properties.SOUND_FROM] = was
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        scene[scene_properties.SOUND_OF] = chosen
         deselect(scene)
         for note in notes:
             self.report({"WARNING"}, note)

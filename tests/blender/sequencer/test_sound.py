@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from blender_recording import FRAMES, RATE, SWITCH_ON, in_blender
 from notes import Notes
+from panel_scripts import HERE
 
 from mcsl_core import edl as edls
 from mcsl_core.blender.child import run_task
@@ -281,3 +282,37 @@ def test_a_microphone_whose_file_is_gone_changes_nothing(built, blender):
     """
     )
     assert in_blender(blender, built, code, save=False) == [True, True, None, 2]
+
+
+def test_panel_and_sound_say_what_the_edl_says_once_a_pull_and_the_choice_are_undone(built, blender):
+    """What was pulled stays in the EDL: the timeline follows it, as it does where somebody else has changed it."""
+    code = (
+        CHOOSE
+        + """
+    import panel_recorder as recorder
+    from blender_addon.ui import refresh
+    def told():
+        global scene, strips
+        scene = next(s for s in bpy.data.scenes if s.get("mcsl_edl"))  # an undo makes another object of it
+        strips = scene.sequence_editor.strips
+        refresh.refresh_timeline(scene)
+        said = [text for _, text, _ in recorder.draw(["MCSL_PT_render"])]
+        return [said[said.index("Sound") + 1], *heard()]
+    bpy.ops.ed.undo_push(message="before")
+    bpy.ops.mcsl.sound_from(source="CAMERA cam2")
+    bpy.ops.ed.undo_push(message="chosen")
+    bpy.ops.mcsl.pull_overrides()
+    bpy.ops.ed.undo_push(message="pulled")
+    out = [told()]
+    for _ in range(2):
+        bpy.ops.ed.undo()
+        out.append(told())
+    path = bpy.path.abspath("//edl.json")
+    text = open(path).read().replace('"audio_from": "cam2"', '"audio_from": "none"')
+    open(path, "w").write(text)
+    out.append(told())
+    """
+    )
+    code = f"    import sys; sys.path.append({HERE!r})\n" + code
+    second = ["cam2", [3, FRAMES, "cam2.mp4", False]]
+    assert in_blender(blender, built, code, save=False) == [second, second, second, ["None"]]
