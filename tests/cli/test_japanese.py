@@ -25,6 +25,8 @@ from mcsl_core.cli.output import Session
 
 JAPANESE = re.compile("[\u3001-\u30ff\u4e00-\u9fff]")
 SAME = {  # the same in every language
+    "MCSL CUT",
+    "MCSL CUT SHOWN",
     "--audio {audio_from}",
     "--centre {centre}: {what}",
     "--polygon: {what}",

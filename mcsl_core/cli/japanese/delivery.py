@@ -147,4 +147,9 @@ TEXTS: dict[str, str] = {
     "Taking the report's pictures": "報告書の画像を取る",
     # report/residuals.py
     "Comparing plane and surface": "平面と起伏を比べる",
+    "hardware ({codec}) encodes the video": "ハードウェア（{codec}）で動画をエンコードします",
+    "no hardware ({hwaccel}) here encodes this preset; {codec} does, on the processor": (
+        "このプリセットをエンコードするハードウェア（{hwaccel}）がここにはありません。プロセッサーの {codec} "
+        "でエンコードします"
+    ),
 }

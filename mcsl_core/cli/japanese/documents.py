@@ -15,7 +15,6 @@ TEXTS: dict[str, str] = {
     "Run again with fewer things open": "ほかのソフトを減らして、もう一度実行してください",
     # documents.py
     "must be {self}, got {value}": "{self}でなければなりませんが、{value} です",
-    "holds {value}, at most {count} are taken": "{value} 個あります。{count} 個までです",
     "must not be empty": "空にはできません",
     "true or false": "true か false",
     "a text": "文字列",
@@ -293,4 +292,6 @@ TEXTS: dict[str, str] = {
     "a description in XML (such as DASH or IMF)": "XML の記述（DASH や IMF など）",
     "a link to a network stream": "ネットワークストリームへのリンク",
     "a list of files (EDL)": "ファイルの一覧 (EDL)",
+    "holds {value}, at most {most} are taken": "{value} 個あります。{most} 個までです",
+    "{path}, line {number}": "{path} の {number} 行目",
 }

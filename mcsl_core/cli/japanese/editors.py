@@ -7,7 +7,6 @@ TEXTS: dict[str, str] = {
         "カメラのファイルにつなぎ直すか、書き出し元の EDL を --edl で渡してください"
     ),
     "no file": "ファイルなし",
-    "{clip}: {what} is none of the programme's media": "{clip}: {what} は本編のメディアではありません",
     "{count} clips": "{count} クリップ",
     "{count} clip": "{count} クリップ",
     "{clips} whose picture was moved, scaled or turned, the first at {at}": (
@@ -16,9 +15,6 @@ TEXTS: dict[str, str] = {
     "frames beyond the programme's end at {frames}": "本編の終わり {frames} より後のフレーム",
     "another order of the shots": "ショットの順番の変更",
     "{twice} frames that are shown more than once": "二度以上表示される {twice} フレーム",
-    "frames {piece}, in whose place lies what is none of the programme's media: they are not removed": (
-        "フレーム {piece} の代わりに本編のメディアでないものがあります。取り除いたものとはしません"
-    ),
     "the marker {name} at {frame}": "{frame} のマーカー {name}",
     # interchange/cmx_reading.py
     "an edit decision list (CMX3600)": "編集決定リスト (CMX3600)",
@@ -27,7 +23,6 @@ TEXTS: dict[str, str] = {
     "Check that it is {WHAT}": "{WHAT}かどうか確認してください",
     "Check the rate of the EDL and of this list": "EDL とこのリストのフレームレートを確認してください",
     "a change of speed in line {number}": "{number} 行目の速度の変更",
-    "the transition {kind} of event {number}": "イベント {number} のトランジション {kind}",
     # interchange/cmx_writing.py
     "an EDL counts to 99 frames a second, the programme has {rate}": (
         "EDL は毎秒 99 フレームまでですが、本編は {rate} です"
@@ -69,7 +64,6 @@ TEXTS: dict[str, str] = {
         "{sequences} 個のプロジェクトのうち最初のものを読みます（{names} は読みません）"
     ),
     "a transition at frame {item}": "フレーム {item} のトランジション",
-    "a {tag} {value} at frame {at_s}": "フレーム {at_s} の {tag} {value}",
     "{tag} of {value} at frame {at_s}": "フレーム {at_s} の {value} の {tag}",
     "the clip {value} before the sequence's start, or of no length": (
         "シーケンスの始まりより前か、長さのないクリップ {value}"
@@ -88,14 +82,11 @@ TEXTS: dict[str, str] = {
     "it is a {document}, not a Timeline": "Timeline ではなく {document} です",
     "it has no video": "映像がありません",
     "{value} is no rate": "{value} はフレームレートではありません",
-    "a {clip} has no source_range": "{clip} に source_range がありません",
     "an OpenTimelineIO document": "OpenTimelineIO 文書",
     "Hand in the .otio file as the editor exported it": ("編集ソフトが書き出したままの .otio ファイルを渡してください"),
     "is not {WHAT}, or misses what one has ({name}: {error})": (
         "{WHAT}ではないか、必要なものが欠けています（{name}: {error}）"
     ),
-    "a transition at frame {at}": "フレーム {at} のトランジション",
-    "{what} of {name} at frame {at}": "フレーム {at} の {name} の {what}",
     "a {kind} {name} at frame {at}": "フレーム {at} の {kind} {name}",
     "the clip {value} at frame {start}, which has no file": "フレーム {start} のファイルのないクリップ {value}",
     "{value} is no number": "{value} は数ではありません",
@@ -154,14 +145,6 @@ TEXTS: dict[str, str] = {
     "of {others} sequences the first is read, {name}, not {others2}": (
         "{others} 個のシーケンスのうち最初の {name} を読みます（{others2} は読みません）"
     ),
-    "a title or generator {name} at frame {at}": "フレーム {at} のタイトルかジェネレーター {name}",
-    "the clip {name} before the sequence's start, or of no length": (
-        "シーケンスの始まりより前か、長さのないクリップ {name}"
-    ),
-    "the clip {name} at frame {start}, which is nested or a multiclip": (
-        "フレーム {start} のクリップ {name}（入れ子かマルチクリップ）"
-    ),
-    "{what} of {name} at frame {start}": "フレーム {start} の {name} の {what}",
     "an effect": "エフェクト",
     # interchange/xml_text.py
     "Hand in {what} as the editor exported it": "編集ソフトが書き出したままの{what}を渡してください",
@@ -169,4 +152,51 @@ TEXTS: dict[str, str] = {
     "is not XML ({error})": "XML ではありません（{error}）",
     "is {tag}, not {what}": "{what}ではなく{tag}です",
     "is nested more than {MOST_DEPTH} deep": "入れ子が {MOST_DEPTH} 段より深いです",
+    "Correct it, or export again": "直すか、もう一度書き出してください",
+    "Take nested and compound clips apart. {remedy}": "入れ子や複合クリップをほどいてください。{remedy}",
+    "a caption at frame {at_s}": "フレーム {at_s} のキャプション",
+    "a level of the sound of {level} dB at {level2}": "{level2} の音声レベル {level} dB",
+    "a title or generator {value} at frame {start}": "フレーム {start} のタイトルかジェネレーター {value}",
+    "a transition of the sound at frame {item}": "フレーム {item} の音声のトランジション",
+    "a transition {of}at frame {at}": "フレーム {at} の{of}トランジション",
+    "a {child} has no source_range": "{child} に source_range がありません",
+    "a {tag} {value} at frame {start}": "フレーム {start} の {tag} {value}",
+    "begins as an event and is none that can be read": "イベントのように始まりますが、読み取れません",
+    "channel {channel} of {own}": "{own}のチャンネル {channel}",
+    "frames {piece}, in whose place lies what is not read: they stay as the EDL has them": (
+        "フレーム {piece} の代わりに読み取れないものがあります。EDL のとおりにしておきます"
+    ),
+    "of the sound": "音声の",
+    "the conformed sound": "コンフォーム済みの音声",
+    "the marker {marker} of {name} at frame {start}": "フレーム {start} の {name} のマーカー {marker}",
+    "the marker {value} of {name} at frame {at}": "フレーム {at} の {name} のマーカー {value}",
+    "the sound of {of}": "{of} の音声",
+    "the sound of {value} before the sequence's start, or of no length": (
+        "シーケンスの始まりより前か、長さのない {value} の音声"
+    ),
+    "the sound {clip_name} at {clip_range}: {taken_from} is none of the programme's media": (
+        "{clip_range} の音声 {clip_name}: {taken_from} は本編のメディアではありません"
+    ),
+    "the {what} {name}": "{what}「{name}」",
+    "the {what} {name} at frame {start}, which is nested or a multiclip": (
+        "フレーム {start} の {what} {name}（入れ子かマルチクリップ）"
+    ),
+    "the {what} {name} before the sequence's start, or of no length": (
+        "シーケンスの始まりより前か、長さのない {what} {name}"
+    ),
+    "what {name} is trimmed to as a whole": "{name} 全体の切り出し",
+    "{clip}: {taken_from} is none of the programme's media": "{clip}: {taken_from} は本編のメディアではありません",
+    "{effect} of all of {name}": "{name} 全体の {effect}",
+    "{effect} of {name} at frame {at}": "フレーム {at} の {name} の {effect}",
+    "{effect} {of}{name} at frame {at}": "フレーム {at} の{of}{name} の {effect}",
+    "{of} at frames {piece}": "フレーム {piece}: {of}",
+    "{of} is heard without its picture": "{of}が画像なしで聞こえます",
+    "{of} is not heard": "{of}が聞こえません",
+    "{of} is of another moment than the picture": "{of}が画像と別の時点のものです",
+    "{what} at frames {piece}": "フレーム {piece}: {what}",
+    "{what} of {of} at frame {start}": "フレーム {start} の {of} の {what}",
+    "the transition {event} of event {event2}": "イベント {event2} のトランジション {event}",
+    "the clip {clip_name} at frame {start}, which has no reel": (
+        "フレーム {start} のクリップ {clip_name}（リールがありません）"
+    ),
 }

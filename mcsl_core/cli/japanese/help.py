@@ -260,14 +260,14 @@ TEXTS: dict[str, str] = {
         "\n"
         "Times and frames are those of the whole programme, whatever is removed already. It is a decision that "
         "stands in the\n"
-        "EDL: `mcsl render` closes up where something is removed, and the sound fades over two frames there; the "
-        "timeline,\n"
-        "exports and conformed media keep the whole programme. Without options: say what is removed."
+        "EDL: `mcsl render` and `mcsl export` close up where something is removed, and a video's sound fades over two "
+        "frames\n"
+        "there; the timeline and conformed media keep the whole programme. Without options: say what is removed."
     ): (
         "本編の区間を完成映像から除きます。\n"
         "\n"
         "時刻とフレームは、すでに取り除いたものに関係なく、本編全体のものです。この決定は EDL に残ります。`mcsl "
-        "render` は取り除いた所を詰め、そこで音声を 2 フレームかけてつなぎます。タイムライン、書き出し、"
+        "render` と `mcsl export` は取り除いた所を詰め、動画の音声はそこで 2 フレームかけてつなぎます。タイムラインと"
         "コンフォーム済みメディアには本編全体が残ります。オプションなしでは、取り除いたものを示します。"
     ),
     # cli/commands/render.py
@@ -387,8 +387,8 @@ TEXTS: dict[str, str] = {
     "Whose sound is taken; none: no sound (default: as the EDL says).": (
         "音声を取るカメラ。none: 音声なし（既定: EDL のとおり）。"
     ),
-    "Hardware that decodes the cameras: auto, or as FFmpeg names it (cuda, vaapi, videotoolbox).": (
-        "カメラをデコードするハードウェア: auto か、FFmpeg での名前（cuda、vaapi、videotoolbox）。"
-    ),
     "Plugin that {purpose} (default: {default}).": "{purpose}プラグイン（既定: {default}）。",
+    ("Hardware that decodes, and encodes with render --engine direct: auto, or as FFmpeg names it (cuda, vaapi)."): (
+        "デコードするハードウェア。render --engine direct ではエンコードも: auto か、FFmpeg での名前（cuda、vaapi）。"
+    ),
 }

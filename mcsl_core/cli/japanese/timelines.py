@@ -361,4 +361,15 @@ TEXTS: dict[str, str] = {
     ),
     "timeline": "タイムライン",
     "render": "レンダリング",
+    "and {muted} more stretches show no shot because it is muted": (
+        "ほか {muted} か所も、ミュートのためショットが表示されません"
+    ),
+    (
+        "frames {start} to {stop} show no shot, because strip {name} is muted: the video shows what the "
+        "analysis chose, the preview another camera; unmute it, or delete it and press Revert to Automatic"
+    ): (
+        "ストリップ {name} がミュートされているため、フレーム {start} から {stop} "
+        "にショットが表示されません。動画には解析が選んだカメラ、プレビューには別のカメラが映ります。"
+        "ミュートを解除するか、削除して「自動に戻す」を押してください"
+    ),
 }
