@@ -21,7 +21,7 @@ from mcsl_core.progress import CancelToken, Progress, Silent
 from mcsl_core.temporary import sweep, temporary_folder
 
 from .installation import Blender, explain_missing
-from .messages import Done, Failed, Failure, MessageFile, Note, Request, Result, Stage, structure, to_json
+from .messages import Done, Failed, Failure, MessageFile, Note, Request, Result, Stage, Step, structure, to_json
 
 Answer = TypeVar("Answer")
 
@@ -140,8 +140,10 @@ def _listen(child: subprocess.Popen[bytes], messages: MessageFile, progress: Pro
                     progress.advance(done)
                 case Note(text):
                     progress.note(text)
-                case _:
+                case Result() | Failed():
                     answer = message
+                case Step():  # a task in Blender is one
+                    pass
         if ended:
             return answer
         if done is not None and not news:
