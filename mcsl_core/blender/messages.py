@@ -159,7 +159,9 @@ class Stage:
     stage: str = field(metadata=doc("for people"))
     total: int | None = field(default=None, metadata=doc("units to do; null when unknown"))
     unit: str = field(default="", metadata=doc("what is counted"))
-    shown: str = field(default="", metadata=doc("the stage in the user's language, where that is not English"))
+    shown: str = field(
+        default="", metadata=doc("the stage in the user's language, where that is not English", optional=True)
+    )
 
 
 @frozen
