@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 from attrs import evolve
@@ -15,6 +13,7 @@ from mcsl_core.errors import McslError
 from mcsl_core.media.hardware import AUTO, ENCODERS, NONE
 from mcsl_core.media.writing import Encoding, VideoWriter
 from mcsl_core.progress import Progress
+from mcsl_core.temporary import temporary_folder
 
 from .presets import Preset
 
@@ -61,12 +60,11 @@ def _of_hardware(preset: Preset, hwaccel: str, software: Encoding) -> Iterator[E
 
 def _works(encoding: Encoding, size: tuple[int, int], rate: Fraction) -> bool:
     """Whether it codes one grey picture: that FFmpeg was built with an encoder says nothing of the machine."""
-    with tempfile.TemporaryDirectory(prefix="mcsl-encoder-") as folder:
+    grey = np.full((size[1], size[0], 3), 128, np.uint8)
+    with temporary_folder("encoder") as folder:
         try:
-            with VideoWriter(
-                Path(folder) / "one.mkv", size=size, rate=rate, encoding=evolve(encoding, tag="")
-            ) as writer:
-                writer.write(np.full((size[1], size[0], 3), 128, np.uint8))
+            with VideoWriter(folder / "one.mkv", size=size, rate=rate, encoding=evolve(encoding, tag="")) as writer:
+                writer.write(grey)
         except McslError:
             return False
     return True
