@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from operator import index
@@ -150,3 +151,29 @@ def merge_equal(pieces: Sequence[tuple[FrameRange, T]]) -> list[tuple[FrameRange
         else:
             merged.append((piece, value))
     return merged
+
+
+def without(pieces: Iterable[FrameRange], holes: Iterable[FrameRange]) -> tuple[FrameRange, ...]:
+    """The frames of ``pieces`` that no hole has, in as few ranges as can be."""
+    result: list[FrameRange] = []
+    gaps = joined(holes)
+    for piece in joined(pieces):
+        at = piece.start
+        for gap in touching(gaps, piece.start, piece.stop):
+            if gap.start > at:
+                result.append(FrameRange(at, gap.start))
+            at = gap.stop
+        if at < piece.stop:
+            result.append(FrameRange(at, piece.stop))
+    return tuple(result)
+
+
+def ranges_of_spans(spans: Iterable[tuple[int, int]]) -> tuple[FrameRange, ...]:
+    """Spans of frames, which may reach before the programme, as its ranges, joined and in order."""
+    return tuple(joined(FrameRange(max(a, 0), b) for a, b in spans if b > max(a, 0)))
+
+
+def touching(ordered: Sequence[FrameRange], start: int, stop: int) -> Sequence[FrameRange]:
+    """Those of ``ordered`` (ranges in order that do not overlap) that share frames with [start, stop)."""
+    first = bisect_right(ordered, start, key=lambda other: other.stop)
+    return ordered[first : bisect_left(ordered, stop, key=lambda other: other.start)]

@@ -13,9 +13,8 @@ from typing import Any
 
 from attrs import frozen
 
-from mcsl_core.timing import FrameRange
+from mcsl_core.timing import FrameRange, ranges_of_spans, without
 
-from .stale import without
 from .strip_plan import StripPlan
 
 CONFORMED_SOUND = ("sound-", ".wav")  # how `mcsl conform` names its sound
@@ -86,13 +85,8 @@ def main_part(start: int, stop: int, places: Iterable[Place]) -> tuple[Part, ...
 
 def uncovered(places: Iterable[Place], kept: Iterable[tuple[int, int]]) -> tuple[tuple[FrameRange, Place], ...]:
     """What is to be built fresh: the stretches of ``places`` that no strip in ``kept`` covers, in order."""
-    holes = ranges_of(kept)
+    holes = ranges_of_spans(kept)
     return tuple((piece, place) for place in places for piece in without([place.range], holes))
-
-
-def ranges_of(spans: Iterable[tuple[int, int]]) -> tuple[FrameRange, ...]:
-    """Spans of frames, which may reach before the programme, as its ranges, joined and in order."""
-    return without([FrameRange(max(a, 0), b) for a, b in spans if b > max(a, 0)], ())
 
 
 # ------------------------------------------------------------------------------------------------------------- sound
@@ -130,4 +124,4 @@ def expected_start(name: str, plan: StripPlan) -> int | None:
 def silent_now(plan: StripPlan, kept: Iterable[tuple[int, int]]) -> tuple[FrameRange, ...]:
     """The frames that have sound in the recording and none in the timeline, because the editor took it out."""
     heard = ((file.start, min(file.start + file.frames, plan.frames)) for file in plan.cameras[-1].files)
-    return without(ranges_of(heard), ranges_of(kept))
+    return without(ranges_of_spans(heard), ranges_of_spans(kept))

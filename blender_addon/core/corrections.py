@@ -17,7 +17,7 @@ from attrs import frozen
 from mcsl_core.edl import Correction, Edl, Matrix, Pose
 from mcsl_core.edl.placement import multiply
 from mcsl_core.errors import InputError
-from mcsl_core.timing import FrameRange
+from mcsl_core.timing import FrameRange, without
 
 from .camera_places import base_matrix, corrected
 from .similarity import Transform, invert, matrix_of, project
@@ -144,7 +144,7 @@ def _with(
             result.append(correction)
             continue
         place, note = len(result), correction.note
-        for piece in _outside(correction.range, pose.range):
+        for piece in without([correction.range], [pose.range]):
             if any(_holds(piece, other) for other in poses):
                 result.append(attrs.evolve(correction, range=piece))
     if matrix is not None:
@@ -156,8 +156,3 @@ def _holds(piece: FrameRange, pose: Pose) -> bool:
     """Whether a correction of that range holds in ``pose``: as `correction_of` has it."""
     shared = piece.intersection(pose.range)
     return shared is not None and 2 * len(shared) > len(pose.range)
-
-
-def _outside(piece: FrameRange, hole: FrameRange) -> list[FrameRange]:
-    ends = [(piece.start, min(piece.stop, hole.start)), (max(piece.start, hole.stop), piece.stop)]
-    return [FrameRange(start, stop) for start, stop in ends if start < stop]

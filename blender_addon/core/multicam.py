@@ -15,12 +15,10 @@ from attrs import frozen
 
 from mcsl_core.edl.resolve import Decisions
 from mcsl_core.errors import InputError
-from mcsl_core.timing import FrameRange
+from mcsl_core.timing import FrameRange, ranges_of_spans, without
 
-from .carry_over import ranges_of
 from .corrections import FoundCamera
 from .read_overrides import FoundStrip, SequencerState, in_order
-from .stale import without
 
 
 @frozen
@@ -40,10 +38,12 @@ def deciding(strips: Iterable[FoundStrip], frame: int) -> FoundStrip | None:
 
 def muted_over(strips: Sequence[FoundStrip], pieces: Iterable[FrameRange]) -> tuple[tuple[FrameRange, str], ...]:
     """Where in ``pieces`` no shot shows because the one that lies there is muted, and the name of that strip."""
-    bare = without(pieces, ranges_of((s.start, s.stop) for s in strips if not s.muted))
+    bare = without(pieces, ranges_of_spans((s.start, s.stop) for s in strips if not s.muted))
     found = []
     for strip in sorted((s for s in strips if s.muted), key=lambda s: s.channel, reverse=True):
-        under = [both for own in ranges_of([(strip.start, strip.stop)]) for p in bare if (both := p.intersection(own))]
+        under = [
+            both for own in ranges_of_spans([(strip.start, strip.stop)]) for p in bare if (both := p.intersection(own))
+        ]
         found += [(piece, strip.name) for piece in under]
         bare = without(bare, under)
     return tuple(sorted(found))

@@ -14,9 +14,9 @@ from attrs import frozen
 
 from mcsl_core.edl import Edl
 from mcsl_core.errors import InputError
-from mcsl_core.timing import FrameRange, joined
+from mcsl_core.timing import FrameRange, joined, without
 
-from .stale import without
+from . import shot_list
 
 
 @frozen
@@ -46,15 +46,40 @@ def take_removal(edl: Edl, found: FoundRemoval) -> tuple[FrameRange, ...]:
     InputError
         Nothing of the programme would be left.
     """
-    whole = (FrameRange(0, edl.frames),)
-    removed = without(whole, without(whole, merged(edl.removed, found)))
-    if removed == whole:
+    whole = FrameRange(0, edl.frames)
+    removed = tuple(both for piece in merged(edl.removed, found) if (both := piece.intersection(whole)) is not None)
+    if removed == (whole,):
         raise InputError(
             "the whole programme is marked as removed: nothing is left to deliver",
             where="channel Removed",
             remedy="Delete or trim a mark",
         )
     return removed
+
+
+def chosen(
+    edl: Edl, frame: int, preview: tuple[int, int] | None, selected: Iterable[tuple[int, int]]
+) -> tuple[FrameRange, ...]:
+    """What an editor means to remove or bring back, in programme frames, joined; () where that is nothing.
+
+    Parameters
+    ----------
+    edl
+        The programme, the timeline's decisions already in it.
+    frame
+        The playhead.
+    preview
+        The preview range, which goes before all else; None where there is none.
+    selected
+        The shots that are selected; without any it is the one at the playhead. They may reach outside the programme.
+    """
+    spans = list(selected) if preview is None else [preview]
+    if not spans:
+        rows = shot_list.rows_of(edl)
+        index = shot_list.row_at(rows, frame)
+        spans = [(rows[index].range.start, rows[index].range.stop)] if index >= 0 else []
+    inside = [(max(start, 0), min(stop, edl.frames)) for start, stop in spans]
+    return tuple(joined(FrameRange(start, stop) for start, stop in inside if start < stop))
 
 
 def merged(removed: Iterable[FrameRange], found: FoundRemoval) -> tuple[FrameRange, ...]:

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -26,7 +25,7 @@ from mcsl_core.edl import Edl
 from mcsl_core.edl.dependencies import View, movement_over, relief_of, sees_through, views_of
 from mcsl_core.edl.following import followed_over, poses_beside
 from mcsl_core.edl.resolve import Decision, DecisionsByPose, resolve_by_pose
-from mcsl_core.timing import FrameRange, joined, merge_equal
+from mcsl_core.timing import FrameRange, joined, merge_equal, touching, without
 
 from .moving import followed_ranges
 
@@ -200,27 +199,6 @@ def changed(now: Basis, then: Basis) -> tuple[FrameRange, ...]:
         i += a is not None and a[0].stop == at
         j += b is not None and b[0].stop == at
     return tuple(joined(piece for piece, _ in differing))
-
-
-def without(pieces: Iterable[FrameRange], holes: Iterable[FrameRange]) -> tuple[FrameRange, ...]:
-    """The frames of ``pieces`` that no hole has, in as few ranges as can be."""
-    result: list[FrameRange] = []
-    gaps = joined(holes)
-    for piece in joined(pieces):
-        at = piece.start
-        for gap in touching(gaps, piece.start, piece.stop):
-            if gap.start > at:
-                result.append(FrameRange(at, gap.start))
-            at = gap.stop
-        if at < piece.stop:
-            result.append(FrameRange(at, piece.stop))
-    return tuple(result)
-
-
-def touching(ordered: Sequence[FrameRange], start: int, stop: int) -> Sequence[FrameRange]:
-    """Those of ``ordered`` (ranges in order that do not overlap) that share frames with [start, stop)."""
-    first = bisect_right(ordered, start, key=lambda other: other.stop)
-    return ordered[first : bisect_left(ordered, stop, key=lambda other: other.start)]
 
 
 def outstanding(frames: int, covered: Iterable[FrameRange]) -> tuple[FrameRange, ...]:

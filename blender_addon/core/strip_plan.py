@@ -28,7 +28,7 @@ from mcsl_core.blender.messages import ConformedPiece
 from mcsl_core.edl import Camera, Edl
 from mcsl_core.edl.placement import placement_matrix
 from mcsl_core.edl.resolve import Decision, DecisionsByPose, resolve, resolve_by_pose, shift_at, sound_camera
-from mcsl_core.timing import FrameRange, merge_equal
+from mcsl_core.timing import FrameRange, merge_equal, ranges_of_spans, touching, without
 
 from .camera_places import corrected, planned_transform
 from .markers import MarkerPlan, markers_of
@@ -274,10 +274,11 @@ def _files(edl: Edl, camera: Camera) -> tuple[CameraFile, ...]:
         stop = starts[index] + media.frames
         if index + 1 < len(starts):
             stop = min(stop, starts[index + 1])
-        pieces = []
+        pieces: list[MoviePiece] = []
+        there = without(ranges_of_spans([(starts[index], stop)]), camera.gaps)
         for place in places:
-            for start, end in _without(max(place.range.start, starts[index]), min(place.range.stop, stop), camera.gaps):
-                pieces.append(attrs.evolve(place, range=FrameRange(start, end)))
+            parts = (place.range.intersection(part) for part in touching(there, place.range.start, place.range.stop))
+            pieces += [attrs.evolve(place, range=part) for part in parts if part]
         files.append(CameraFile(media.path, starts[index], media.frames, tuple(pieces)))
     return tuple(files)
 
@@ -289,22 +290,12 @@ def _places(edl: Edl, camera: Camera) -> list[MoviePiece]:
     for pose in edl.poses:
         planned = planned_transform(edl, camera, pose)
         shown = corrected(edl, camera, pose, planned)
-        standing = _without(pose.range.start, pose.range.stop, [span for span, _ in followed])
-        places += [MoviePiece(FrameRange(*span), shown, planned) for span in standing]
+        standing = without([pose.range], (span for span, _ in followed))
+        places += [MoviePiece(span, shown, planned) for span in standing]
     for span, movement in followed:
         keys = moving_keys(edl, camera, movement)
         places.append(MoviePiece(span, keys[0].transform, None, keys))
     return sorted(places, key=lambda place: place.range)
-
-
-def _without(start: int, stop: int, gaps: Iterable[FrameRange]) -> list[tuple[int, int]]:
-    """[start, stop) less the gaps, as ranges that are not empty."""
-    pieces, at = [], start
-    for gap in sorted(gaps):
-        pieces.append((at, min(gap.start, stop)))
-        at = max(at, gap.stop)
-    pieces.append((at, stop))
-    return [(a, b) for a, b in pieces if a < b]
 
 
 def _programme(edl: Edl, channels: dict[str, int]) -> tuple[ProgrammeStrip, ...]:

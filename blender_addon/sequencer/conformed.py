@@ -17,7 +17,7 @@ from attrs import frozen
 from mcsl_core.blender.messages import ConformedPiece
 from mcsl_core.edl import Edl
 from mcsl_core.edl.resolve import DecisionsByPose
-from mcsl_core.timing import FrameRange
+from mcsl_core.timing import FrameRange, without
 
 from ..core import stale
 from ..core.carry_over import Place, main_part, parts_of, uncovered
@@ -87,7 +87,7 @@ def keep_true(scene: Any, now: Edl, by_pose: DecisionsByPose | None = None) -> H
             if not part.holds:
                 lost.append(part.range)
     covered = [span for strip, span in conformed_strips(scene) if not strip.mute] if there else []
-    return Held(stale.outstanding(now.frames, covered), stale.without(lost, ()), changed)
+    return Held(stale.outstanding(now.frames, covered), without(lost, ()), changed)
 
 
 def _set_holds(strip: Any, holds: bool) -> bool:

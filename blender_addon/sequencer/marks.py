@@ -11,11 +11,9 @@ from itertools import count
 from typing import Any
 
 from mcsl_core.errors import InputError
-from mcsl_core.timing import FrameRange
+from mcsl_core.timing import FrameRange, ranges_of_spans, without
 
-from ..core.carry_over import ranges_of
 from ..core.removal import FoundRemoval, from_text, merged, to_text
-from ..core.stale import without
 from .compat import ends, new_effect, set_ends
 from .edit import HIGHEST_CHANNEL, split_strip
 from .scene_properties import MARK, REMOVED_UPON, odd, role_of, text_of
@@ -36,7 +34,7 @@ def read_marks(scene: Any) -> FoundRemoval:
         upon = from_text(text)
     except (ValueError, TypeError) as error:
         raise odd(REMOVED_UPON, text, "ranges of frames", "the scene") from error
-    return FoundRemoval(ranges_of(ends(strip) for strip in marks_of(scene)), upon)
+    return FoundRemoval(ranges_of_spans(ends(strip) for strip in marks_of(scene)), upon)
 
 
 def keep_marks(scene: Any, removed: Sequence[FrameRange]) -> None:
@@ -71,7 +69,7 @@ def _to_lay(scene: Any, removed: Sequence[FrameRange]) -> tuple[list[Any], tuple
     """The marks that lie wrong, and the stretches that have none once those are gone."""
     wanted, marks = merged(removed, read_marks(scene)), marks_of(scene)
     gone = [strip for strip in marks if (span := _span(strip)) is not None and without([span], wanted)]
-    return gone, without(wanted, ranges_of(ends(strip) for strip in marks if strip not in gone))
+    return gone, without(wanted, ranges_of_spans(ends(strip) for strip in marks if strip not in gone))
 
 
 def mark(scene: Any, piece: FrameRange) -> None:

@@ -12,15 +12,13 @@ import bpy  # pyright: ignore[reportMissingImports]
 
 from mcsl_core.edl import Edl
 from mcsl_core.errors import McslError
-from mcsl_core.timing import FrameRange, joined
+from mcsl_core.timing import FrameRange, joined, ranges_of_spans, touching, without
 
 from ..core import times
-from ..core.carry_over import ranges_of
 from ..core.field import remarks_on_drawing
 from ..core.multicam import muted_over
 from ..core.outside import remark_on
 from ..core.read_overrides import SequencerState
-from ..core.stale import touching, without
 from ..core.strip_plan import FIRST_CAMERA_CHANNEL
 from .compat import ends, strips_of
 from .conformed import conformed_strips
@@ -49,7 +47,7 @@ def notices(scene: Any, edl: Edl, state: SequencerState) -> tuple[str, ...]:
 
 def _of_gaps(edl: Edl, state: SequencerState) -> Iterator[str]:
     """Where no shot lies: the video has the analysis' camera there, but the preview cannot know it."""
-    there = ranges_of((strip.start, strip.stop) for strip in state.strips if not strip.muted)
+    there = ranges_of_spans((strip.start, strip.stop) for strip in state.strips if not strip.muted)
     gaps = without([FrameRange(0, edl.frames)], there)
     muted = muted_over(state.strips, gaps)
     for gap, name in muted[:_NAMED]:

@@ -16,10 +16,9 @@ from typing import Any
 import bpy  # pyright: ignore[reportMissingImports]
 
 from mcsl_core.edl import Edl
-from mcsl_core.timing import FrameRange
+from mcsl_core.timing import FrameRange, ranges_of_spans, without
 
-from ..core.carry_over import Place, expected_start, is_ours, parts_of, ranges_of, silent_now, sound_places
-from ..core.stale import without
+from ..core.carry_over import Place, expected_start, is_ours, parts_of, silent_now, sound_places
 from ..core.strip_plan import AUDIO_CHANNEL, StripPlan, automatic_from_text, make_plan
 from .compat import content_start, ends, set_content_start, set_ends
 from .edit import check_there, parked, remove, split_at, split_strip
@@ -51,7 +50,7 @@ def lay_sound(scene: Any, plan: StripPlan, base: Path) -> list[str]:
         if stop > plan.frames:
             scene.sequence_editor.strips.remove(split_strip(strip, plan.frames))
         laid.append(ends(strip))
-    _note_laid(scene, ranges_of(laid))
+    _note_laid(scene, ranges_of_spans(laid))
     return notes
 
 
@@ -137,7 +136,7 @@ def _file_name(strip: Any) -> str:
 def laid_before(scene: Any) -> tuple[FrameRange, ...]:
     """Where sound was laid when it was last laid; () where the timeline does not say so."""
     try:
-        return ranges_of((int(a), int(b)) for a, b in json.loads(scene.get(SOUND_LAID, "")))
+        return ranges_of_spans((int(a), int(b)) for a, b in json.loads(scene.get(SOUND_LAID, "")))
     except (ValueError, TypeError):
         return ()
 
@@ -152,7 +151,7 @@ def _is_as_laid(scene: Any, ours: list[Any], laid: tuple[FrameRange, ...], plan:
     work = Work(scene)
     if any(work.on(s) or s.channel != AUDIO_CHANNEL or s.name not in top or slip_of(s, plan) for s in ours):
         return False
-    covered = ranges_of(ends(strip) for strip in ours)
+    covered = ranges_of_spans(ends(strip) for strip in ours)
     if SOUND_LAID in scene:
         return covered == laid
     # A timeline that does not say where sound was laid: what is not whole may have been cut off.

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import attrs
 
-from mcsl_core.timing import FrameRange, joined
+from mcsl_core.timing import FrameRange, joined, without
 
 from .schema import Edl
 
@@ -25,28 +23,14 @@ def remove(edl: Edl, piece: FrameRange) -> Edl:
 def bring_back(edl: Edl, piece: FrameRange | None = None) -> Edl:
     """``edl`` with what was removed of ``piece`` (of everything, without) delivered again."""
     piece = piece or FrameRange(0, edl.frames)
-    return attrs.evolve(edl, removed=tuple(left for one in edl.removed for left in outside(one, [piece])))
+    return attrs.evolve(edl, removed=without(edl.removed, [piece]))
 
 
 def delivered(edl: Edl, piece: FrameRange | None = None) -> tuple[FrameRange, ...]:
     """The programme's frames (those of ``piece``) that are not removed: as few ranges as can be, in order."""
-    return tuple(outside(piece or FrameRange(0, edl.frames), edl.removed))
+    return without([piece or FrameRange(0, edl.frames)], edl.removed)
 
 
 def delivered_frames(edl: Edl) -> int:
     """How many frames the delivered programme has."""
     return sum(map(len, delivered(edl)))
-
-
-def outside(piece: FrameRange, removed: Iterable[FrameRange]) -> list[FrameRange]:
-    """What of ``piece`` lies in none of ``removed``, in order."""
-    left, at = [], piece.start
-    for one in joined(removed):
-        if one.start >= piece.stop:
-            break
-        if at < one.start:
-            left.append(FrameRange(at, one.start))
-        at = max(at, one.stop)
-    if at < piece.stop:
-        left.append(FrameRange(at, piece.stop))
-    return left

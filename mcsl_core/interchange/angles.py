@@ -14,11 +14,10 @@ from math import ceil, floor
 import attrs
 
 from mcsl_core.edl import Camera, Edl
-from mcsl_core.edl.removal import outside
 from mcsl_core.errors import UsageError
 from mcsl_core.media.facts import MediaFacts
 from mcsl_core.recording.decoder import Part
-from mcsl_core.timing import FrameRange
+from mcsl_core.timing import FrameRange, without
 
 from .model import Angle, Clip, Medium
 from .similarity import nearest_transform
@@ -68,7 +67,7 @@ def laid_files(edl: Edl, camera: Camera, parts: Sequence[Part]) -> tuple[Clip, .
     for index, part in enumerate(parts):
         ahead = _first_frame(edl, camera, parts[index + 1]) if index + 1 < len(parts) else edl.frames
         for clip in _laid(edl, camera, part, min(ahead, edl.frames)):
-            clips += [piece for free in outside(clip.range, camera.gaps) if (piece := clip.part(free))]
+            clips += [piece for free in without([clip.range], camera.gaps) if (piece := clip.part(free))]
     return tuple(clips)
 
 

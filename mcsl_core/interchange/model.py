@@ -17,10 +17,9 @@ from typing import Literal
 import attrs
 from attrs import field, frozen
 
-from mcsl_core.edl.removal import outside
 from mcsl_core.errors import Fault
 from mcsl_core.fades import FADE_FRAMES
-from mcsl_core.timing import FrameRange
+from mcsl_core.timing import FrameRange, without
 
 OVERRIDE = "override: "  # what a marker of one begins with
 MarkerKind = Literal["movement", "pose", "weak", "shot", "override"]
@@ -211,7 +210,7 @@ class Sequence:
     @cached_property
     def kept(self) -> tuple[FrameRange, ...]:
         """The programme frames that the sequence holds, in order."""
-        return tuple(outside(FrameRange(0, self.frames), self.removed))
+        return without([FrameRange(0, self.frames)], self.removed)
 
     @cached_property
     def _starts(self) -> list[int]:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 from mcsl_core.progress import counted
-from mcsl_core.timing import FrameRange, format_time, joined
+from mcsl_core.timing import FrameRange, format_time, joined, touching
 
 from .found import FoundClip, FoundCut
 from .model import Sequence as Cut
@@ -126,15 +125,10 @@ def _layer(item: tuple[FoundClip, Placed | None]) -> int:
     return item[0].layer
 
 
-def _overlap(piece: FrameRange, taken: list[FrameRange]) -> int:
+def _overlap(piece: FrameRange, taken: Sequence[FrameRange]) -> int:
     """How many frames of ``piece`` lie in ``taken``, which is in order."""
-    count = 0
-    for one in taken[bisect_right(taken, piece.start, key=lambda t: t.stop) :]:
-        both = one.intersection(piece)
-        if both is None:
-            break
-        count += len(both)
-    return count
+    shared = (one.intersection(piece) for one in touching(taken, piece.start, piece.stop))
+    return sum(len(both) for both in shared if both)
 
 
 def _alike(one: Transform, other: Transform) -> bool:

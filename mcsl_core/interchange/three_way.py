@@ -8,8 +8,7 @@ import attrs
 from attrs import frozen
 
 from mcsl_core.edl import Edl
-from mcsl_core.edl.removal import outside
-from mcsl_core.timing import FrameRange, merge_equal
+from mcsl_core.timing import FrameRange, merge_equal, without
 
 from .changes import Changes, Layout, find_changes
 from .found import FoundCut
@@ -91,7 +90,7 @@ def merged(changes: Changes, edl: Edl, shown: Sequence[Shot] | None) -> Merged:
             cameras.append((piece, now))
             if decided:
                 overruled.append((piece, there))
-    gone = [left for piece in changes.removed for left in outside(piece, edl.removed)]
+    gone = without(changes.removed, edl.removed)
     return Merged(
         changes=attrs.evolve(changes, cameras=tuple(merge_equal(cameras)), removed=tuple(gone)),
         kept=tuple(merge_equal(kept)),

@@ -19,6 +19,7 @@ from mcsl_core.timing import (
     merge_equal,
     parse_rate,
     parse_time,
+    without,
 )
 
 R = FrameRange
@@ -156,3 +157,10 @@ def test_merging_keeps_every_frames_value_and_leaves_no_equal_neighbours(steps):
 
 def test_pieces_apart_are_not_merged():
     assert len(merge_equal([(R(0, 2), 1), (R(3, 4), 1)])) == 2
+
+
+@given(st.lists(ranges(40), max_size=6), st.lists(ranges(40), max_size=6))
+def test_without_leaves_the_frames_that_no_hole_has(pieces, holes):
+    found = without(pieces, holes)
+    assert {n for piece in found for n in piece} == {n for p in pieces for n in p} - {n for h in holes for n in h}
+    assert all(a.stop < b.start for a, b in zip(found, found[1:], strict=False)), "as few as can be"

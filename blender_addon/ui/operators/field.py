@@ -19,6 +19,7 @@ from ...sequencer.read import read_timeline
 from ...sequencer.scene_properties import edl_of, has_timeline
 from .. import refresh
 from ..translations.lookup import told
+from .on_timeline import OnTimeline
 from .preview import ClicksInPreview, redraw
 
 CLOSE_PX = 12  # a click this near the first corner closes the outline
@@ -118,25 +119,16 @@ def _draw(clicked):
         batch_for_shader(shader, kind, {"pos": places}).draw(shader)
 
 
-class MCSL_OT_clear_field(bpy.types.Operator):
+class MCSL_OT_clear_field(OnTimeline, bpy.types.Operator):
     """Take the field that is drawn away: the next analysis finds it in the pictures again"""
 
     bl_idname = "mcsl.clear_field"
     bl_label = "Find Field Automatically"
     bl_options: ClassVar = {"REGISTER", "UNDO"}
 
-    @classmethod
-    def poll(cls, context):
-        return has_timeline(sequencer_scene(context))
-
-    def execute(self, context):
-        scene = sequencer_scene(context)
-        try:
-            edl = edl_of(scene)
-            new = without_field(read_edl(edl, read_timeline(scene)), scene.frame_current - 1)
-        except McslError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+    def change(self, context, scene):
+        edl = edl_of(scene)
+        new = without_field(read_edl(edl, read_timeline(scene)), scene.frame_current - 1)
         keep_drawing(scene, new.drawn_fields, edl.drawn_fields)
         refresh.refresh_timeline(scene)
         return {"FINISHED"}

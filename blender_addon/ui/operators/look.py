@@ -9,16 +9,15 @@ from typing import ClassVar
 import bpy  # pyright: ignore[reportMissingImports]
 
 from mcsl_core.edl.resolve import resolve, shift_at
-from mcsl_core.errors import McslError
 
 from ...core import multicam
 from ...core.preview import moves_view
 from ...core.read_overrides import AUTOMATIC
-from ...sequencer.compat import sequencer_scene
 from ...sequencer.read import read_timeline
-from ...sequencer.scene_properties import CENTRE, LOOK_FOR_ALL, LOOK_OF_SHOT, has_timeline
+from ...sequencer.scene_properties import CENTRE, LOOK_FOR_ALL, LOOK_OF_SHOT
 from .. import refresh
 from ..translations.lookup import told
+from .on_timeline import OnTimeline
 from .preview import ClicksInPreview
 
 AIDS = [
@@ -36,7 +35,7 @@ def shot_at_playhead(scene):
     return None if found is None else scene.sequence_editor.strips[found.name]
 
 
-class MCSL_OT_set_look(bpy.types.Operator):
+class MCSL_OT_set_look(OnTimeline, bpy.types.Operator):
     """Switch a visual aid on or off"""
 
     bl_idname = "mcsl.set_look"
@@ -48,34 +47,24 @@ class MCSL_OT_set_look(bpy.types.Operator):
     whole: bpy.props.BoolProperty(name="All", description="For the whole programme, not the shot at the playhead")
 
     @classmethod
-    def poll(cls, context):
-        return has_timeline(sequencer_scene(context))
-
-    @classmethod
     def description(cls, context, properties):
         about = told(next(text for name, _, text in AIDS if name == properties.aid))
         where = told("for the whole programme") if properties.whole else told("for the shot at the playhead")
         return f"{about} ({where})"
 
-    def execute(self, context):
-        scene = sequencer_scene(context)
-        try:
-            if self.whole:
-                scene[LOOK_FOR_ALL[self.aid]] = self.on
-            else:
-                strip = shot_at_playhead(scene)
-                if strip is None:
-                    self.report({"WARNING"}, told("There is no shot at the playhead"))
-                    return {"CANCELLED"}
-                strip[LOOK_OF_SHOT[self.aid]] = self.on
-        except McslError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+    def change(self, context, scene):
+        if self.whole:
+            scene[LOOK_FOR_ALL[self.aid]] = self.on
+        else:
+            strip = shot_at_playhead(scene)
+            if strip is None:
+                return self.leave(told("There is no shot at the playhead"), "WARNING")
+            strip[LOOK_OF_SHOT[self.aid]] = self.on
         refresh.refresh_timeline(scene)
         return {"FINISHED"}
 
 
-class MCSL_OT_set_centre(ClicksInPreview, bpy.types.Operator):
+class MCSL_OT_set_centre(OnTimeline, ClicksInPreview, bpy.types.Operator):
     """Click the middle of the field in the preview: the shot at the playhead is centred on it"""
 
     bl_idname = "mcsl.set_centre"
@@ -84,10 +73,6 @@ class MCSL_OT_set_centre(ClicksInPreview, bpy.types.Operator):
 
     x: bpy.props.FloatProperty(name="X", description="Pixels from the left of the picture", options={"SKIP_SAVE"})
     y: bpy.props.FloatProperty(name="Y", description="Pixels from the top of the picture", options={"SKIP_SAVE"})
-
-    @classmethod
-    def poll(cls, context):
-        return has_timeline(sequencer_scene(context))
 
     def invoke(self, context, event):
         return self.begin(context, told("Click the middle of the field in the preview; Esc: leave it"))
@@ -107,19 +92,13 @@ class MCSL_OT_set_centre(ClicksInPreview, bpy.types.Operator):
         self.x, self.y = point
         return self.execute(context)
 
-    def execute(self, context):
-        scene = sequencer_scene(context)
-        try:
-            edl = refresh.decided(scene)
-            frame = scene.frame_current - 1
-            decision = next((d for stretch, d in resolve(edl) if frame in stretch), None)
-            strip = shot_at_playhead(scene)
-        except McslError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+    def change(self, context, scene):
+        edl = refresh.decided(scene)
+        frame = scene.frame_current - 1
+        decision = next((d for stretch, d in resolve(edl) if frame in stretch), None)
+        strip = shot_at_playhead(scene)
         if strip is None or decision is None:
-            self.report({"WARNING"}, told("There is no shot at the playhead"))
-            return {"CANCELLED"}
+            return self.leave(told("There is no shot at the playhead"), "WARNING")
         now = shift_at(edl, decision, frame)
         middle = ((edl.size[0] - 1) / 2, (edl.size[1] - 1) / 2)
         strip[CENTRE] = [round(m - (p - s), 3) for m, p, s in zip(middle, (self.x, self.y), now, strict=True)]
@@ -129,27 +108,17 @@ class MCSL_OT_set_centre(ClicksInPreview, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MCSL_OT_clear_centre(bpy.types.Operator):
+class MCSL_OT_clear_centre(OnTimeline, bpy.types.Operator):
     """Centre the shot at the playhead by the analysis again"""
 
     bl_idname = "mcsl.clear_centre"
     bl_label = "Centre Automatically"
     bl_options: ClassVar = {"REGISTER", "UNDO"}
 
-    @classmethod
-    def poll(cls, context):
-        return has_timeline(sequencer_scene(context))
-
-    def execute(self, context):
-        scene = sequencer_scene(context)
-        try:
-            strip = shot_at_playhead(scene)
-        except McslError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+    def change(self, context, scene):
+        strip = shot_at_playhead(scene)
         if strip is None:
-            self.report({"WARNING"}, told("There is no shot at the playhead"))
-            return {"CANCELLED"}
+            return self.leave(told("There is no shot at the playhead"), "WARNING")
         strip[CENTRE] = AUTOMATIC
         refresh.refresh_timeline(scene)
         return {"FINISHED"}

@@ -28,6 +28,7 @@ from ...sequencer.read import read_drawing, read_timeline
 from ...sequencer.renew import rebuild_timeline
 from .. import first_view, refresh
 from ..translations.lookup import told
+from .on_timeline import OnTimeline
 
 PATIENCE_S = 5.0  # the window stands still meanwhile
 
@@ -138,25 +139,16 @@ class MCSL_OT_build_timeline(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MCSL_OT_pull_overrides(bpy.types.Operator):
+class MCSL_OT_pull_overrides(OnTimeline, bpy.types.Operator):
     """Write what you decided in the timeline into the EDL, as overrides that analysis never touches"""
 
     bl_idname = "mcsl.pull_overrides"
     bl_label = "Pull Overrides into EDL"
     bl_options: ClassVar = {"REGISTER", "UNDO"}
 
-    @classmethod
-    def poll(cls, context):
-        return scene_properties.has_timeline(sequencer_scene(context))
-
-    def execute(self, context):
-        scene = sequencer_scene(context)
-        try:
-            edl, written = pull(scene, self.report)
-            notes = read_timeline(scene).notes
-        except McslError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+    def change(self, context, scene):
+        edl, written = pull(scene, self.report)
+        notes = read_timeline(scene).notes
         for note in notes:
             self.report({"WARNING"}, note)
         text = told("{count} overrides written") if written else told("{count} overrides, as they were")

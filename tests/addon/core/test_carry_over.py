@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from blender_addon.core.carry_over import Part, Place, main_part, parts_of, ranges_of, uncovered
+from blender_addon.core.carry_over import Part, Place, main_part, parts_of, uncovered
 from mcsl_core.timing import FrameRange as R
+from mcsl_core.timing import ranges_of_spans
 
 A, B = Place(R(0, 40), "a", 0), Place(R(40, 60), "b", 40)
 
@@ -49,4 +50,4 @@ def test_what_no_strip_covers_is_built():
 
 
 def test_ranges_are_joined_and_begin_with_the_programme():
-    assert ranges_of([(-9, -3), (-3, 5), (5, 9), (20, 30)]) == (R(0, 9), R(20, 30))
+    assert ranges_of_spans([(-9, -3), (-3, 5), (5, 9), (20, 30)]) == (R(0, 9), R(20, 30))

@@ -9,7 +9,7 @@ from blender_recording import FRAMES, R, an_edl
 from hypothesis import given
 from hypothesis import strategies as st
 
-from blender_addon.core.removal import FoundRemoval, from_text, take_removal, to_text
+from blender_addon.core.removal import FoundRemoval, chosen, from_text, take_removal, to_text
 from mcsl_core.errors import InputError
 from mcsl_core.timing import ranges_of
 
@@ -32,6 +32,24 @@ def test_each_frame_is_as_whoever_changed_it_last_says(has, upon, marked):
 def test_marks_as_they_were_laid_say_just_what_the_edl_says(has):
     edl = an_edl(removed=tuple(ranges_of(has)))
     assert take_removal(edl, FoundRemoval(edl.removed, edl.removed)) == edl.removed
+
+
+@pytest.mark.parametrize(
+    ("frame", "preview", "selected", "meant"),
+    [
+        (25, (10, 12), [(40, 45)], (R(10, 12),)),  # the preview range goes first
+        (25, (-5, 3), [], (R(0, 3),)),
+        (25, (FRAMES, FRAMES + 9), [], ()),
+        (25, None, [(40, 45), (45, FRAMES + 9), (-9, 0)], (R(40, FRAMES),)),
+        (25, None, [], (R(20, 40),)),  # the shot at the playhead
+        (46, None, [], (R(45, 50),)),  # which is an override's
+        (FRAMES, None, [], ()),
+    ],
+)
+def test_what_is_meant_is_the_preview_range_the_selected_shots_or_the_one_at_the_playhead(
+    frame, preview, selected, meant
+):
+    assert chosen(an_edl(), frame, preview, selected) == meant
 
 
 def test_a_mark_may_reach_outside_the_programme():
