@@ -45,14 +45,16 @@ def sound_notes(cut: Cut, found: FoundCut, placer: Placer, seen: Seen, was: Sequ
     was
         Programme frames that were shown when it was exported, in order.
     """
+    own = sound_in(found.origin, [angle.camera for angle in cut.angles])
     sounds: list[_Sound] = []
     for clip in (clip for clip in found.sounds if clip.enabled and not clip.unread):
         where = placer.place(clip)
         if where is None:
             yield f"the sound {clip.name!r} at {clip.range}: {clip.taken_from} is none of the programme's media"
-        else:
-            sounds.append(_Sound(clip, CONFORMED if where.conformed else where.camera, where.start))
-    own = sound_in(found.origin, [angle.camera for angle in cut.angles])
+        elif where.conformed:
+            sounds.append(_Sound(clip, CONFORMED, where.start))
+        else:  # an angle that has no name any more tells no other sound from the exported one
+            sounds.append(_Sound(clip, own or where.camera if clip.angle == "" else where.camera, where.start))
     if own is None:  # the note is lost
         own = _most_heard(sounds)
     others = defaultdict(list)
