@@ -120,7 +120,9 @@ def conform(
         audio = _make_sound(source, out, steps, progress) if part.first else None
         _adopt(manifest, [out / chunk.name for chunk in chunks if chunk not in missing], audio)
         if missing:
-            _make_chunks(source, out, missing, min(jobs, len(missing)), quality, steps, progress)
+            tell_of_hardware(source.hwaccel, media_files(source.edl, source.base), progress)
+            steps.begin("pictures")
+            _make_chunks(source, out, missing, min(jobs, len(missing)), quality, progress)
         if prune:
             _prune(source, manifest, quality, audio)
     return Conformed(out, chunks, audio, len(missing))
@@ -295,7 +297,6 @@ def _make_chunks(
     missing: list[Chunk],
     jobs: int,
     quality: Quality,
-    steps: Steps,
     progress: Progress,
 ) -> None:
     """Threads, not processes: decoding, warping and encoding run outside Python's lock, and plugins need no pickling.
@@ -303,8 +304,6 @@ def _make_chunks(
     Each job decodes and encodes in one thread of its own; two jobs then keep two cores as busy as frame threads do,
     without waiting for each other. A single chunk, as an override leaves it, is decoded in the threads of all cores.
     """
-    tell_of_hardware(source.hwaccel, media_files(source.edl, source.base), progress)
-    steps.begin("pictures")
     progress.stage("Conforming", sum(len(chunk.range) for chunk in missing), "frames")
     maker = _ChunkMaker(source, out, quality, jobs=jobs)
     manifest = Manifest.inside(out)
