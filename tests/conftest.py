@@ -33,9 +33,16 @@ hypothesis.settings.register_profile(
     deadline=None,
     print_blob=True,
     derandomize="CI" in os.environ,
+    max_examples=50 if "CI" in os.environ else 100,
     suppress_health_check=[hypothesis.HealthCheck.too_slow],
 )
 hypothesis.settings.load_profile("mcsl")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files with slow tests first, so that at the end no process works on one of them while the others are done."""
+    slow = {item.path for item in items if item.get_closest_marker("slow")}
+    items.sort(key=lambda item: item.path not in slow)
 
 
 @pytest.fixture(autouse=True, scope="session")

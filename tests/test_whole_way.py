@@ -27,12 +27,11 @@ from mcsl_core.simulation.schedule import lamp_path
 from mcsl_core.timing import FrameRange
 
 SCENARIOS = {
-    "one movement": Scenario(seed=104, duration_s=56, movements=((27.0, 2.5),)),
     "two movements, blue drapes": Scenario(
-        seed=102, duration_s=75, movements=((24.0, 2.0), (50.0, 3.0)), drape="blue", skin="medium", size=(640, 360)
+        seed=102, duration_s=48, movements=((14.0, 2.0), (30.0, 3.0)), drape="blue", skin="medium", size=(640, 360)
     ),
-    "dark skin, white drapes": Scenario(
-        seed=103, duration_s=50, movements=((26.0, 1.5),), skin="dark", drape="white", gloves="blue", size=(640, 360)
+    "one movement, dark skin, white drapes": Scenario(
+        seed=104, duration_s=34, movements=((15.0, 2.5),), skin="dark", drape="white", gloves="blue", size=(640, 360)
     ),
 }
 
@@ -140,6 +139,8 @@ def test_the_programme_is_steadier_than_without_alignment(case: Case) -> None:
 
 def test_a_switch_is_less_of_a_jump_than_without_alignment(case: Case) -> None:
     """The finished programme, with its look, at every switch: what the viewer's eye stumbles over."""
+    if len(case.truth.movements) < 2:
+        pytest.skip("one camera sees best throughout")
     variants = [Variant("delivered", "", case.edl), Variant("no", "", without_alignment(case.edl))]
     done = evaluate(case.edl, case.path.parent, variants, every=0)
     assert done.switches, "the scenario is meant to need a switch"
