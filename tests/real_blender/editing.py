@@ -176,8 +176,12 @@ def conformed():
     if bpy.ops.mcsl.cancel.poll():
         return True
     stands("conform")
-    picture("conform")
+    go(60)  # an automatic shot
     return None
+
+
+def conformed_seen():
+    picture("conform")
 
 
 def analyse():
@@ -250,6 +254,6 @@ STEPS = [
     *(frame, angles, angles_shown, lambda: None, angles_away, angles_gone),
     *(play, cut, stop, cut_there),
     *(grab, drop, stayed, ripple, rippled, unrippled),
-    *(microphone, sound, conform, conformed, analyse, analysed),
+    *(microphone, sound, conform, conformed, conformed_seen, analyse, analysed),
     *(remove, removed, lambda: None, render, rendered, back),
 ]

@@ -24,10 +24,8 @@ class MCSL_PT_conform(TimelinePanel, bpy.types.Panel):
             text = shown("{seconds} outstanding: the preview is shown there")
             wrapped(layout, text.format(seconds=shot_list.seconds_text(state.outstanding_s)), "TIME")
             if state.lost_s > 0:
-                box = layout.box()
-                box.alert = True
                 text = shown("{seconds} of exact pictures fell away, because their decisions changed")
-                wrapped(box, text.format(seconds=shot_list.seconds_text(state.lost_s)), "ERROR")
+                wrapped(layout, text.format(seconds=shot_list.seconds_text(state.lost_s)), "INFO")
         elif conformed.any_there(scene):
             layout.label(text="All pictures are exact", icon="CHECKMARK")
         draw_notices(layout, state)
