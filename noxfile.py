@@ -37,11 +37,10 @@ SITE = (PYTHON, "-m", "zensical", "build", "--strict")  # into build/site
 # What pytest-xdist is told. A file's tests stay in one process, so that its recordings are simulated once,
 # and files begin in the order in which tests/conftest.py puts them.
 SIDE_BY_SIDE = ("-n", "auto", "--maxprocesses", "4", "--dist", "loadfile", "--no-loadscope-reorder")
-# Where the core calls what it depends on: whether versions of these go together takes two minutes, all of it ten.
+# Where the core calls what it depends on: whether versions of these go together takes a minute, all of it ten.
 CALLING_OTHERS = (
-    *(f"tests/core/{name}" for name in ("alignment", "centering", "cli", "compositing", "hooks", "imaging", "media")),
-    *(f"tests/core/{name}" for name in ("movement", "outputs", "sync", "test_arrays.py", "test_documents.py")),
-    "tests/core/blender/test_installation.py",
+    *(f"tests/core/{name}" for name in ("alignment", "centering", "compositing", "imaging", "media", "outputs")),
+    *(f"tests/core/{name}" for name in ("test_arrays.py", "test_documents.py", "blender/test_installation.py")),
     "tests/core/evaluation/test_questionnaire.py",
     "tests/cli/test_cli.py",
 )

@@ -20,8 +20,6 @@ from mcsl_core.edl import IDENTITY, Override
 from mcsl_core.edl.edits import rebased
 from mcsl_core.errors import BlenderError, InputError, UsageError
 
-pytestmark = pytest.mark.both_blenders
-
 LISTING = """
     out = {
         "channels": [c.name for c in scene.sequence_editor.channels][1:8],
@@ -39,6 +37,7 @@ LISTING = """
 """
 
 
+@pytest.mark.both_blenders
 def test_channels_and_strips_as_planned(built, blender):
     found = in_blender(blender, built, LISTING, save=False)
     assert found["channels"] == ["Audio", "cam2", "cam3", "cam1", "Programme", "Centering", "Conformed"]
@@ -65,6 +64,7 @@ def test_channels_and_strips_as_planned(built, blender):
     assert found["markers"] == [[28, ""], [30, ""], [32, "perspective 1"]]
 
 
+@pytest.mark.both_blenders
 def test_settings_and_relative_paths(built, blender):
     found = in_blender(blender, built, LISTING, save=False)
     assert found["paths"] == ["//cam1_a.mp4", "//cam1_b.mp4", "//cam2.mp4", "//cam3.mp4"]
@@ -72,6 +72,7 @@ def test_settings_and_relative_paths(built, blender):
     assert found["scene"][4:] == [30, 1.001, 320, 180, "Standard", "sRGB", 0, "//edit.mp4"]
 
 
+@pytest.mark.both_blenders
 def test_centering_is_keyed_and_stops_where_it_is_switched_off(project, blender):
     edl = an_edl(centering=((0, 0.0, 0.0), (10, 10.0, -20.0)), overrides=(Override(R(20, 30), centering=False),))
     edls.save(edl, project / "edl.json")
@@ -90,6 +91,7 @@ def test_centering_is_keyed_and_stops_where_it_is_switched_off(project, blender)
     ]
 
 
+@pytest.mark.both_blenders
 def test_a_moved_folder_still_works(built, blender):
     moved = built.parent.with_name("elsewhere")
     shutil.move(built.parent, moved)
@@ -103,6 +105,7 @@ def test_a_moved_folder_still_works(built, blender):
     assert (moved / "edl.json").read_bytes() != before
 
 
+@pytest.mark.both_blenders
 def test_a_pull_into_another_folder_keeps_the_media_reachable(built, blender, tmp_path):
     other = tmp_path / "other" / "mine.json"
     pull_overrides(built, other, blender=blender)

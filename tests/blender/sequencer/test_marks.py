@@ -14,7 +14,6 @@ from mcsl_core.blender.messages import RefreshRequest
 from mcsl_core.blender.timeline import build_timeline, pull_overrides
 from mcsl_core.errors import InputError
 
-pytestmark = pytest.mark.both_blenders
 REMOVED = (R(7, 22), R(50, FRAMES))
 MARKS = """
 marks = sorted((s for s in strips if s.get("mcsl") == "removed"), key=span)
@@ -40,6 +39,7 @@ def removed(blend, blender):
     return new.removed
 
 
+@pytest.mark.both_blenders
 def test_untouched_they_give_the_same_edl_to_the_byte(marked, blender):
     path = marked.parent / "edl.json"
     before = path.read_bytes()
@@ -51,6 +51,7 @@ def test_untouched_they_give_the_same_edl_to_the_byte(marked, blender):
     assert path.read_bytes() == before
 
 
+@pytest.mark.both_blenders
 @pytest.mark.parametrize(
     ("code", "expected"),
     [

@@ -18,8 +18,6 @@ from mcsl_core.blender.timeline import build_timeline, pull_overrides
 from mcsl_core.edl import IDENTITY, Movement, MovementView, Pose
 from mcsl_core.edl.following import placed_pose
 
-pytestmark = pytest.mark.both_blenders
-
 STANDS = """
         def camera(name, frame):
             return next(s for s in strips if s.get("mcsl_camera") == name and span(s)[0] <= frame < span(s)[1])
@@ -72,6 +70,7 @@ def listed(blend, blender):
     return [s[1:] for s in in_blender(blender, blend, code, save=False) if s[0] == "cam3"]
 
 
+@pytest.mark.both_blenders
 def test_transforms_come_to_the_similarity_of_what_is_placed(followed, blender):
     edl = moving()
     frames = [5, 23, 24, 25, 27, 29, 30, 33, 36, 37, 59]
@@ -83,6 +82,7 @@ def test_transforms_come_to_the_similarity_of_what_is_placed(followed, blender):
             assert apart(numbers, expected) < (0.01 if frame % 2 == 0 or name == "cam1" else 0.9), (name, frame)
 
 
+@pytest.mark.both_blenders
 def test_an_untouched_timeline_is_pulled_as_it_was_and_a_nudge_is_of_its_pose(followed, blender):
     path = followed.parent / "edl.json"
     before = path.read_bytes()

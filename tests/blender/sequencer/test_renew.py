@@ -13,8 +13,6 @@ from mcsl_core.blender.messages import ConformedPiece, RefreshRequest
 from mcsl_core.blender.timeline import pull_overrides
 from mcsl_core.edl import IDENTITY
 
-pytestmark = pytest.mark.both_blenders
-
 
 def refreshed(built, blender, pieces=(), edl=None):
     """The timeline brought up to date with conformed pieces [(start, stop, name)]; what was told."""
@@ -40,6 +38,7 @@ def listed(built, blender, role):
     return in_blender(blender, built, code, save=False)
 
 
+@pytest.mark.both_blenders
 def test_a_conformed_strip_muted_or_graded_by_hand(built, blender):
     refreshed(built, blender, [(0, 30, "aa"), (30, FRAMES, "aa")])
     code = """
@@ -63,6 +62,7 @@ def test_a_conformed_strip_muted_or_graded_by_hand(built, blender):
     assert in_blender(blender, built, code, save=False) == [[1, 50], [1, 50], [1, 50], [51, 10]]
 
 
+@pytest.mark.both_blenders
 def test_what_awaits_its_pictures_is_hidden_and_comes_back(built, blender):
     refreshed(built, blender, [(0, FRAMES, "aa")])
     in_blender(blender, built, 'at(7, 0).modifiers.new("grade", "BRIGHT_CONTRAST")')

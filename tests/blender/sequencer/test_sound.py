@@ -18,8 +18,6 @@ from mcsl_core.blender.messages import RefreshRequest
 from mcsl_core.blender.render import render
 from mcsl_core.blender.timeline import build_timeline, pull_overrides
 
-pytestmark = pytest.mark.both_blenders
-
 
 def levels(path) -> np.ndarray:
     """The sound's level in every programme frame, (frames, channels); the recording's tone has 0.18."""
@@ -73,6 +71,7 @@ def quiet(level: np.ndarray) -> list[int]:
     return [n for n, value in enumerate(level.max(axis=1)) if value < 0.01]
 
 
+@pytest.mark.both_blenders
 def test_a_muted_piece_stays_muted_over_the_same_frames(built, blender):
     """Conformed sound takes the place of the camera's, then the camera's that of the conformed, then again."""
     muted = list(range(13, 23))  # the frames at its ends hold a sample or two of the neighbours in the encoder's blocks
@@ -91,6 +90,7 @@ def test_a_muted_piece_stays_muted_over_the_same_frames(built, blender):
     assert set(muted) <= set(quiet(delivered(built, blender, sound="2c3d"))) <= set(range(12, 24))
 
 
+@pytest.mark.both_blenders
 def test_level_place_and_keys_survive(built, blender):
     code = (
         SOUND
@@ -115,6 +115,7 @@ for frame, volume in ((41, 1.0), (60, 0.0)):
     assert in_blender(blender, built, code, save=False) == [0.25, -1, ["//edl.conformed/sound-"] * 2]
 
 
+@pytest.mark.both_blenders
 def test_sound_taken_out_stays_out(built, blender):
     code = SOUND + 'sound[1].split(frame=50 + 1, split_method="SOFT"); strips.remove(sound[1])'
     heard = Notes()

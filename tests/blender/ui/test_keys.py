@@ -9,8 +9,6 @@ from mcsl_core import edl as edls
 from mcsl_core.blender.timeline import pull_overrides
 from mcsl_core.edl import Override
 
-pytestmark = pytest.mark.both_blenders
-
 KEPT = Override(R(45, 50), camera="cam1", note="kept")
 SHOTS = """
     def shots():
@@ -25,6 +23,7 @@ SHOTS = """
 AS_BUILT = [[0, 20, 4, False], [20, 40, 2, False], [40, 45, 3, False], [45, 50, 4, True], [50, 60, 3, False]]
 
 
+@pytest.mark.both_blenders
 def test_key_n_is_the_edls_nth_camera_not_channel_n(built, blender):
     code = SWITCH_ON + SHOTS + "    out = [shots(), press(12, number=2), shots(), press(30, number=1), shots()]"
     before, first, then, second, after = in_blender(blender, built, code)
@@ -38,6 +37,7 @@ def test_key_n_is_the_edls_nth_camera_not_channel_n(built, blender):
     )
 
 
+@pytest.mark.both_blenders
 def test_the_whole_shot_and_a_name_and_what_is_no_camera(built, blender):
     code = (
         SWITCH_ON
@@ -53,6 +53,7 @@ def test_the_whole_shot_and_a_name_and_what_is_no_camera(built, blender):
     assert after == [*shown[:3], [45, 47, 4, True], [47, 50, 3, False], AS_BUILT[4]]  # automatic again: no colour
 
 
+@pytest.mark.both_blenders
 def test_every_press_can_be_undone_and_done_again(built, blender):
     code = (
         SWITCH_ON

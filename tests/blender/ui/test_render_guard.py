@@ -6,8 +6,6 @@ import av
 import pytest
 from blender_recording import FRAMES, SWITCH_ON, in_blender, number_of
 
-pytestmark = pytest.mark.both_blenders
-
 SET_UP = (
     SWITCH_ON
     + """
@@ -25,6 +23,7 @@ SET_UP = (
 )
 
 
+@pytest.mark.both_blenders
 def test_while_it_renders_the_old_video_is_there(built, blender):
     code = (
         SET_UP

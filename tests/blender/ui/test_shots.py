@@ -5,8 +5,6 @@ from __future__ import annotations
 import pytest
 from blender_recording import SWITCH_ON, in_blender, write_camera
 
-pytestmark = pytest.mark.both_blenders
-
 LEFT = """
     def shots():
         return sorted([*span(s), s.multicam_source] for s in strips if s.type == "MULTICAM")
@@ -16,6 +14,7 @@ LEFT = """
 """
 
 
+@pytest.mark.both_blenders
 def test_from_cut_to_cut(built, blender):
     code = """
     def go(frame, direction):
@@ -27,6 +26,7 @@ def test_from_cut_to_cut(built, blender):
     assert in_blender(blender, built, SWITCH_ON + LEFT + code) == [20, 40, None, 45, 0, None]
 
 
+@pytest.mark.both_blenders
 def test_cuts_that_nobody_sees_go_and_an_editors_work_stays(built, blender):
     code = """
     for frame in (5, 12, 25, 33):

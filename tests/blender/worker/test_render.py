@@ -247,8 +247,7 @@ def test_a_wrong_call_is_refused_before_any_work(project, blender, source, out, 
     assert not (project / "edl.conformed").exists()
 
 
-@pytest.mark.parametrize("name", ["archive", "review"])
-@pytest.mark.parametrize("from_timeline", [False, True])
+@pytest.mark.parametrize(("name", "from_timeline"), [("archive", False), ("review", True)])
 def test_what_is_removed_is_not_rendered(project, blender, name, from_timeline):
     """The same pictures as without, less those that are removed; silence at the seams, and the sound in time."""
     suffix = presets.load_preset(name).container
