@@ -106,8 +106,7 @@ def conform(
         What reading or writing raises, and `Cancelled`.
     """
     progress = progress or Silent()
-    jobs = min(os.cpu_count() or 1, _MOST_JOBS) if jobs is None else jobs
-    _check(jobs, prune, part)
+    jobs = _checked(jobs, prune, part)
     manifest = _claimed(out)
     steps = _begun(source, part, progress)
     chunks = part.taken(plan_chunks(source.edl, source.base, filler=source.filler, quality=quality))
@@ -120,7 +119,6 @@ def conform(
         audio = _make_sound(source, out, steps, progress) if part.first else None
         _adopt(manifest, [out / chunk.name for chunk in chunks if chunk not in missing], audio)
         if missing:
-            tell_of_hardware(source.hwaccel, media_files(source.edl, source.base), progress)
             steps.begin("pictures")
             _make_chunks(source, out, missing, min(jobs, len(missing)), quality, progress)
         if prune:
@@ -136,11 +134,14 @@ def _begun(source: ProgrammeSource, part: Part, progress: Progress) -> Steps:
     return steps
 
 
-def _check(jobs: int, prune: bool, part: Part) -> None:
+def _checked(jobs: int | None, prune: bool, part: Part) -> int:
+    """How many chunks are made at a time; UsageError where what is asked for does not go together."""
+    jobs = min(os.cpu_count() or 1, _MOST_JOBS) if jobs is None else jobs
     if jobs < 1:
         raise UsageError(f"at least one chunk is made at a time, got {jobs}", remedy="Choose 1 or more jobs")
     if prune and part != WHOLE:
         raise UsageError("who makes a part does not know what others need", remedy="Prune without a part, afterwards")
+    return jobs
 
 
 def _turn(manifest: Manifest, part: Part, progress: Progress) -> contextlib.AbstractContextManager[None]:
@@ -304,6 +305,7 @@ def _make_chunks(
     Each job decodes and encodes in one thread of its own; two jobs then keep two cores as busy as frame threads do,
     without waiting for each other. A single chunk, as an override leaves it, is decoded in the threads of all cores.
     """
+    tell_of_hardware(source.hwaccel, media_files(source.edl, source.base), progress)
     progress.stage("Conforming", sum(len(chunk.range) for chunk in missing), "frames")
     maker = _ChunkMaker(source, out, quality, jobs=jobs)
     manifest = Manifest.inside(out)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from fractions import Fraction
-from itertools import zip_longest
+from itertools import pairwise, zip_longest
 from pathlib import Path
 
 from mcsl_core.errors import DocumentError, UsageError
@@ -14,6 +14,7 @@ from mcsl_core.timing import FrameRange
 
 from .found import FoundClip, FoundCut
 from .timecode import count_of, day_s, may_drop
+from .xml_text import path_of
 
 WHAT = "an edit decision list (CMX3600)"
 _CODE = r"(\d{2}:\d{2}:\d{2}[:;.,]\d{2})"
@@ -21,7 +22,9 @@ _EVENT = re.compile(rf"(\d+)\s+(\S.*?)\s+(\S+)\s+([CDWK]\S*)\s+(?:(\S+)\s+)?{_CO
 _NUMBERED_TRACK = re.compile(r"V[1-9]\d?")
 _LEVEL = re.compile(r"\*?\s*AUDIO LEVEL AT (\S+) IS ([-+ ]*\d+(?:\.\d+)?) DB.*", re.IGNORECASE)
 _NUMBERED = re.compile(r"\d{3,}\s")
-_COMMENT = re.compile(r"\*?\s*(FROM CLIP NAME|SOURCE FILE|FROM FILE|LOC|MCSL CUT SHOWN|MCSL CUT)\s*:\s*(.*)")
+_FROM, _TO = ("FROM CLIP NAME", "SOURCE FILE", "FROM FILE", "FROM CLIP"), ("TO CLIP NAME", "TO FILE", "TO CLIP")
+_COMMENT = re.compile(rf"\*?\s*({'|'.join((*_FROM, *_TO))}|LOC|MCSL CUT SHOWN|MCSL CUT)\s*:\s*(.*)")
+_SPEED = re.compile(r"M2\s+\S+\s+0*(\d+(?:\.\d+)?)\b.*")
 _LOCATOR = re.compile(rf"{_CODE}\s+\S+\s*(.*)")
 _CUT = re.compile(rf"([0-9a-f]{{16}})\s+{_CODE}")
 _BLACK = ("BL", "BLACK")
@@ -63,6 +66,7 @@ class _Reader:
             if line.startswith("FCM:"):
                 self._drop = "NON" not in line and may_drop(self._rate)
             elif event := _EVENT.fullmatch(line):
+                self._check(event, number)
                 events.append((event, self._drop, {}))
             elif comment := _COMMENT.fullmatch(line):
                 name, text = comment.groups()
@@ -77,13 +81,13 @@ class _Reader:
             elif level := _LEVEL.fullmatch(line):
                 if set(level[2]) & set("123456789"):
                     self.notes.append(f"a level of the sound of {level[2].strip()} dB at {level[1]}")
-            elif line.startswith("M2"):
+            elif line.startswith("M2") and not self._is_usual(line):
                 self.notes.append(f"a change of speed in line {number}")
                 if events:
                     events[-1][2]["M2"] = line
             elif _NUMBERED.match(line):
-                what = "begins as an event and is none that can be read"
-                raise DocumentError(what, where=f"{self._path}, line {number}", remedy="Correct it, or export again")
+                raise self._unreadable(number)
+        _share(events)
         if not events:
             raise DocumentError("has no events", where=str(self._path), remedy=f"Check that it is {WHAT}")
         self.notes += [f"the transition {event[4]} of event {event[1]}" for event, _, _ in events if event[4] != "C"]
@@ -102,6 +106,22 @@ class _Reader:
             origin=" ".join([basis, *shown]) if basis else "",
             notes=tuple(self.notes),
         )
+
+    def _check(self, event: re.Match[str], number: int) -> None:
+        """DocumentError where an event ends before it begins; what passes midnight does not."""
+        start, stop = (self._count(code, self._drop, number) for code in (event[8], event[9]))
+        day = int(day_s(self._rate, drop=self._drop) * self._rate)
+        if (stop - start) % day > day // 2:
+            raise self._unreadable(number)
+
+    def _unreadable(self, number: int) -> DocumentError:
+        what = "begins as an event and is none that can be read"
+        return DocumentError(what, where=f"{self._path}, line {number}", remedy="Correct it, or export again")
+
+    def _is_usual(self, line: str) -> bool:
+        """Whether a line of speed, in pictures a second, says that it is the usual one."""
+        said = _SPEED.fullmatch(line)
+        return said is not None and abs(float(said[1]) - float(self._rate)) < 0.02  # two decimals are written
 
     def _clips(self, events: list[_Event], zero: int) -> Iterator[FoundClip]:
         for (event, drop, said), (after, _, _) in zip_longest(events, events[1:], fillvalue=(None, False, {})):
@@ -127,7 +147,7 @@ class _Reader:
             name=name,
             range=FrameRange(start, stop),
             layer=int(track[1:]) if _NUMBERED_TRACK.fullmatch(track) else 1,
-            path=said.get("SOURCE FILE", said.get("FROM FILE", "")),
+            path=said.get("SOURCE FILE") or said.get("FROM FILE") or _file_of(said.get("FROM CLIP", "")),
             reel=reel,
             source_s=source / self._rate,
             retimed="M2" in said,
@@ -146,6 +166,26 @@ class _Reader:
         except UsageError as error:
             where = f"{self._path}, line {line}" if line else str(self._path)
             raise DocumentError(error.what, where=where, remedy="Check the rate of the EDL and of this list") from error
+
+
+def _share(events: list[_Event]) -> None:
+    """Of comments that name both clips of a transition, each gets its own: the line before it, of one event, what goes.
+
+    A list that names one clip names the event's own.
+    """
+    for (before, _, goes), (event, _, comes) in pairwise(events):
+        if event[4][0] not in "DWK" or not any(name in comes for name in _TO):
+            continue
+        left = {name: comes.pop(name) for name in _FROM if name in comes}
+        if before[1] == event[1]:
+            goes.update({name: text for name, text in left.items() if name not in goes})
+        file = comes.get("TO FILE") or _file_of(comes.get("TO CLIP", ""))
+        comes |= {"FROM CLIP NAME": comes.get("TO CLIP NAME", ""), "SOURCE FILE": file}
+
+
+def _file_of(text: str) -> str:
+    """The path in a comment that some programs fill with one, others with a name."""
+    return path_of(text) if text.startswith("file:") else text if "/" in text or "\\" in text else ""
 
 
 def _half(event: re.Match[str]) -> int:

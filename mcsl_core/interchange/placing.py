@@ -7,6 +7,7 @@ from collections import Counter
 from fractions import Fraction
 from math import ceil, floor
 from pathlib import PurePosixPath, PureWindowsPath
+from unicodedata import normalize
 
 import attrs
 from attrs import frozen
@@ -51,7 +52,7 @@ class Placer:
 
     def __init__(self, cut: Sequence) -> None:
         self._cut = cut
-        self._cameras = {plain(angle.camera): angle.camera for angle in cut.angles}
+        self._cameras = {_alike_name(angle.camera): angle.camera for angle in cut.angles}
         self._owner = {medium: angle.camera for angle in cut.angles for medium in _media(angle)}
         reels = reels_of([angle.camera for angle in cut.angles])
         self._reels = {reel: camera for camera, reel in reels.items()}
@@ -67,9 +68,9 @@ class Placer:
 
     def place(self, clip: FoundClip) -> Placed | None:
         """Where the clip stands in the programme; None where it is of other media."""
-        chosen = self._cameras.get(clip.angle) if clip.angle is not None else None
+        chosen = self._camera(clip.angle) if clip.angle is not None else None
         if clip.angle is not None and not clip.path:  # of the multicam clip, whose time is the programme's
-            camera = self._cameras.get(clip.name) if clip.angle == "" else chosen
+            camera = self._camera(clip.name) if clip.angle == "" else chosen
             return None if camera is None else Placed(self._programme_frame(clip), camera)
         active = clip if clip.active is None else self._active(clip, clip.active)
         own = self._medium(active)
@@ -79,7 +80,7 @@ class Placer:
             if own is None and not self.is_conformed(active):
                 return None
             start = self._programme_frame(clip)
-            named = chosen or self._cameras.get(clip.name)
+            named = chosen or self._camera(clip.name)
             return Placed(start, named or self._camera_in(start, start + len(clip.range)), conformed=True)
         medium = self._medium(clip)
         if medium is None or own is None:
@@ -89,9 +90,12 @@ class Placer:
             start = lies  # it was made to fit the medium that is shown
         return Placed(start, chosen or self._owner[medium])
 
+    def _camera(self, name: str) -> str | None:
+        return self._cameras.get(_alike_name(name))
+
     def _active(self, clip: FoundClip, active: Reference) -> FoundClip:
         """The clip with the medium that it shows; of two that are called alike, the one of the chosen angle."""
-        name = clip.angle if clip.angle in self._cameras else clip.name
+        name = clip.angle if clip.angle and self._camera(clip.angle) else clip.name
         return attrs.evolve(clip, name=name, path=active.path, zero_s=active.zero_s, active=None)
 
     def _programme_frame(self, clip: FoundClip) -> int:
@@ -112,13 +116,17 @@ class Placer:
         most = max(alike.values(), default=0)
         best = [medium for medium, count in alike.items() if count == most and most > 0]
         if not best and not clip.path:
-            best = [m for m in self._owner if clip.name in (m.path.name, m.path.stem)]
-        named = self._cameras.get(clip.name) or self._reels.get(clip.reel)
+            name = _alike_name(clip.name)
+            best = [m for m in self._owner if name in (_alike_name(m.path.name), _alike_name(m.path.stem))]
+        named = self._camera(clip.name) or self._reels.get(clip.reel)
         if len(best) != 1 and named is not None and not (clip.path and not best):
             best = [medium for medium in best or self._owner if self._owner[medium] == named]
         at_s = clip.source_s
         if len(best) > 1 and clip.zero_s is None:
             best = [m for m in best if self._zero_s(clip, m) - 1 <= at_s < self._zero_s(clip, m) + m.duration_s]
+        if len(best) > 1:  # files without a timecode: the one whose pictures belong where the clip lies
+            lies = self._cut.frame_at(clip.range.start)
+            best = [medium for medium in best if self._frame_of(clip, medium) == lies]
         return best[0] if best else None
 
     def _frame_of(self, clip: FoundClip, medium: Medium) -> int:
@@ -186,6 +194,11 @@ def _media(angle: Angle) -> list[Medium]:
     return list(dict.fromkeys(clip.medium for clip in angle.clips))
 
 
+def _alike_name(name: str) -> str:
+    """A name as documents hold it, whether its letters and their accents are written in one or apart, as Macs do."""
+    return normalize("NFC", plain(name))
+
+
 def _parts(path: str) -> tuple[str, ...]:
     """A path's names, of whatever system."""
     kind = PureWindowsPath if "\\" in path and "/" not in path else PurePosixPath
@@ -196,7 +209,7 @@ def _alike(one: tuple[str, ...], other: tuple[str, ...]) -> int:
     """How many names two paths have in common at their end."""
     count = 0
     for a, b in zip(reversed(one), reversed(other), strict=False):
-        if plain(a) != plain(b):
+        if _alike_name(a) != _alike_name(b):
             break
         count += 1
     return count

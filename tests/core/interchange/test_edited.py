@@ -10,6 +10,7 @@ from interchange_readers import by_lxml, by_otio, otio
 from lxml import etree
 
 from mcsl_core.edl import Override
+from mcsl_core.errors import DocumentError
 from mcsl_core.interchange.changes import find_changes
 from mcsl_core.interchange.formats import FORMATS
 
@@ -85,6 +86,45 @@ def test_the_cut_under_a_lists_dissolve_is_in_its_middle(two_lines, tmp_path):
     changes = read(made, ".edl", "\n".join(lines).encode(), tmp_path)
     assert (changes.cameras, changes.removed) == ((), ())
     assert changes.notes == ("the transition D of event 002",)
+
+
+@pytest.mark.parametrize("to", [["* TO CLIP NAME: cam3"], ["* TO CLIP NAME: cam3", "* TO FILE: /x/2/cam3.mp4"]])
+def test_of_a_lists_dissolve_that_names_both_clips_each_has_its_own(to, tmp_path):
+    """As OpenTimelineIO and others write it: what goes in a line of no length, with what comes in the next."""
+    made = film(RATE, 90)
+    lines = FORMATS[".edl"].write(made.cut(sound=None)).decode().splitlines()
+    second = next(n for n, line in enumerate(lines) if line.startswith("002"))
+    after = next(n for n, line in enumerate(lines) if line.startswith("003"))
+    lines[second:after] = [
+        "002  CAM1     V     C        00:00:01:00 00:00:01:00 01:00:01:00 01:00:01:00",
+        "002  CAM3     V     D    010 00:00:01:00 00:00:02:10 01:00:01:00 01:00:02:10",
+        *("* FROM CLIP NAME: cam1", *to),
+    ]
+    first = next(n for n, line in enumerate(lines) if line.startswith("001"))
+    lines[first] = "001  CAM1     V     C        00:00:00:00 00:00:01:00 01:00:00:00 01:00:01:00"
+    changes = read(made, ".edl", "\n".join(lines).encode(), tmp_path)
+    assert (changes.cameras, changes.removed) == (((R(30, 60), "cam3"),), ())
+    assert changes.notes == ("the transition D of event 002",)
+
+
+def test_an_event_that_ends_before_it_begins_is_refused_with_its_line(tmp_path):
+    made = film(RATE, 90)
+    text = FORMATS[".edl"].write(made.cut(sound=None)).decode()
+    line = next(n for n, line in enumerate(text.splitlines(), start=1) if line.startswith("002"))
+    swapped = text.replace("01:00:01:05 01:00:02:10", "01:00:02:10 01:00:01:05")
+    assert swapped != text
+    with pytest.raises(DocumentError, match=f"line {line}: begins as an event and is none"):
+        read(made, ".edl", swapped.encode(), tmp_path)
+
+
+def test_a_line_of_speed_that_says_the_usual_one_is_none(tmp_path):
+    made = film(Fraction(30000, 1001), 90)
+    text = (
+        FORMATS[".edl"].write(made.cut()).decode().replace("002  CAM2", "002  CAM3").replace("1/cam2.mp4", "2/cam3.mp4")
+    )
+    text = text.replace("cam2", "cam3").replace("\n\n003", "\nM2   CAM3   029.97   00:00:01:00\n\n003")
+    changes = read(made, ".edl", text.encode(), tmp_path)
+    assert (changes.cameras, changes.removed) == (((R(30, 60), "cam3"),), ())
 
 
 # ---------------------------------------------------------------------------------------------- speed changes

@@ -122,6 +122,32 @@ def test_an_angle_switched_and_synchronised_by_hand_is_where_it_lies(made, folde
     assert changes.removed == ()
 
 
+# ------------------------------------------------------------------------------------------------- names and files
+
+
+@pytest.mark.parametrize("suffix", [".fcpxml", ".xml", ".otio", ".edl"])
+def test_names_and_paths_with_accents_written_apart_are_the_same(suffix, tmp_path):
+    """As file systems of Macs give them; in a URL each byte is escaped."""
+    made = film(Fraction(25), 90, names=("Süd", "cam2", "cam3"))
+    text = FORMATS[suffix].write(made.cut()).decode()
+    apart = text.replace("S\u00fcd", "Su\u0308d").replace("S%C3%BCd", "Su%CC%88d")
+    assert apart != text
+    changes = read(made, suffix, apart.encode(), tmp_path)
+    assert (changes.cameras, changes.removed, changes.notes) == ((), (), ())
+
+
+@pytest.mark.parametrize("alike", [False, True])
+def test_of_files_without_a_timecode_a_list_means_the_one_that_lies_there(alike, tmp_path):
+    """Where only a camera's name is left, or its files are called alike."""
+    rate = Fraction(25)
+    parts = [facts_of("a/GH01.mov", rate, 45), facts_of("b/GH01.mov" if alike else "b/GH02.mov", rate, 45)]
+    made = film(rate, 90, files={"cam3": parts})
+    lines = FORMATS[".edl"].write(made.cut(sound=None)).decode().splitlines()
+    text = "\n".join(line for line in lines if "SOURCE FILE" not in line)
+    changes = read(made, ".edl", text.encode(), tmp_path)
+    assert (changes.cameras, changes.removed, changes.notes) == ((), (), ())
+
+
 # --------------------------------------------------------------------------------------------- FCPXML's angles
 
 
