@@ -143,9 +143,13 @@ class Catalogue:
         """Known texts that stand together: ``a, b``, ``where: what. Remedy``."""
         for mark, ours in ((". ", "。"), ("; ", "; "), (", ", "、")):
             parts = text.split(mark)
-            told = [self._phrase(part) or part for part in parts]
+            told = [self._phrase(part) or self._led(part) or part for part in parts]
             if len(parts) > 1 and told != parts:
                 return ours.join(told)
+        return self._led(text)
+
+    def _led(self, text: str) -> str | None:
+        """What is said of something: ``where: what``."""
         where, colon, rest = text.partition(": ")
         said = (self._phrase(rest) or self._sentences(rest)) if colon else None
         return said and f"{self._phrase(where) or where}: {said}"

@@ -19,7 +19,7 @@ from .found import FoundCut
 from .heard import sound_notes
 from .model import OVERRIDE
 from .model import Sequence as Cut
-from .origin import pairs
+from .origin import CONFORMED, pairs, sound_in
 from .painting import beside, paint
 from .placing import Placer
 from .seen import Seen
@@ -67,7 +67,8 @@ def find_changes(cut: Cut, found: FoundCut, layout: Layout) -> Changes:
     DocumentError
         Where no clip that came back is of the cut's media.
     """
-    placer = Placer(cut)
+    heard = sound_in(found.origin, [angle.camera for angle in cut.angles])
+    placer = Placer(cut, exact=heard == CONFORMED)
     seen = Seen(cut, found, placer, layers=layout == "layers")
     exact = any(placer.is_conformed(clip) for clip in found.clips if not clip.unread)
     was = paint(cut.frames, _exported(cut, "multicam" if exact else layout))

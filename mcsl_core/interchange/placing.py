@@ -48,10 +48,12 @@ class Placer:
     ----------
     cut
         As it was exported, or would be now.
+    exact
+        Whether it was exported with conformed media.
     """
 
-    def __init__(self, cut: Sequence) -> None:
-        self._cut = cut
+    def __init__(self, cut: Sequence, *, exact: bool = False) -> None:
+        self._cut, self._exact = cut, exact
         self._cameras = {_alike_name(angle.camera): angle.camera for angle in cut.angles}
         self._owner = {medium: angle.camera for angle in cut.angles for medium in _media(angle)}
         reels = reels_of([angle.camera for angle in cut.angles])
@@ -61,9 +63,14 @@ class Placer:
         self._begins = {(clip.camera, clip.range.start) for clip in laid}
 
     def is_conformed(self, clip: FoundClip) -> bool:
-        """Whether a clip is of the conformed programme: its file bears the name's mark and is no camera's."""
-        if not clip.path and clip.reel == PROGRAMME_REEL:
-            return True
+        """Whether a clip is of the conformed programme: its file bears the name's mark and is no camera's.
+
+        Of a list that lost its files, those of an exact export that are called as a camera and have no camera's reel.
+        """
+        if not clip.path and clip.reel:
+            foreign = self._exact and clip.reel not in self._reels and self._camera(clip.name) is not None
+            if clip.reel == PROGRAMME_REEL or foreign:
+                return True
         return _stem(clip.path or clip.name).endswith(MARK) and self._medium(clip) is None
 
     def place(self, clip: FoundClip) -> Placed | None:

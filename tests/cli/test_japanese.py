@@ -31,8 +31,10 @@ SAME = {  # the same in every language
     "--centre {centre}: {what}",
     "--polygon: {what}",
     "--rate: {error}",
+    "FROM CLIP",
     "FROM CLIP NAME",
     "FROM FILE",
+    *("TO CLIP", "TO CLIP NAME", "TO FILE"),
     "LUT_3D_SIZE {NODES}",
     "SOURCE FILE",
     "IPT (Dolby Vision)",
@@ -132,6 +134,7 @@ def test_every_text_is_recognised_when_it_is_filled_in() -> None:
             "x: 2 cameras, 0:00:06 at 25 frames/s, 1 shot, 0 overrides",
             "x: カメラ 2 台、0:00:06、25 フレーム/秒、1 ショット、手動変更 0 件",
         ),
+        ("s/cut.fcpxml: 7 shots, 5 cameras", "s/cut.fcpxml: 7 ショット、カメラ 5 台"),
         ("edl.json at $.rate", "edl.json の $.rate"),
         # names stay: a camera called as a stage is, a file called as a word
         ("camera timeline", "カメラ timeline"),

@@ -148,6 +148,15 @@ def test_of_files_without_a_timecode_a_list_means_the_one_that_lies_there(alike,
     assert (changes.cameras, changes.removed, changes.notes) == ((), (), ())
 
 
+def test_an_exact_list_without_its_files_and_with_another_reel_is_of_conformed_media(tmp_path):
+    made = film(Fraction(25), 90, files={"cam2": [facts_of("1/cam2.mp4", Fraction(25), 90, timecode="10:00:00:00")]})
+    cut = made.cut(exact=True)
+    lines = [line for line in FORMATS[".edl"].write(cut).decode().splitlines() if "SOURCE FILE" not in line]
+    text = "\n".join(lines).replace("  MCSL  ", "  AX    ")
+    changes = read(made, ".edl", text.encode(), tmp_path)
+    assert (changes.cameras, changes.removed, changes.notes) == ((), (), ())
+
+
 # --------------------------------------------------------------------------------------------- FCPXML's angles
 
 
