@@ -157,7 +157,12 @@ class _Reader:
         if not 0 <= start < stop:
             self.notes.append(f"the clip {item.get('name', '')!r} before the sequence's start, or of no length")
             return
-        angle = next(self._angles(item, "video"), "") if item.tag == "mc-clip" else None
+        angle = None
+        if item.tag == "mc-clip":
+            angle = next(self._angles(item, "video"), "" if item.find("mc-source") is None else None)
+            if angle is None:  # sound alone is left of it
+                self._unread(item, at_s, lasts_s, layer)
+                return
         self._clips.append(self._found(item, source, FrameRange(start, stop), self._start(item), layer, angle))
 
     def _sound(self, item: ET.Element, at_s: Fraction, lasts_s: Fraction, layer: int) -> None:

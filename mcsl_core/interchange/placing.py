@@ -176,10 +176,12 @@ class Placer:
         around = sorted({floor(e) + n for e in exact for n in range(-1, ceil(off) + 2)})
         close = [n for n in around if any(abs(n - e) <= off for e in exact)]
         written = [n for n in close if any(self._writes(piece, n, picture) for piece in pieces if n in piece.range)]
-        known = [n for n in written or close if (camera, n) in self._begins]
         lies = self._cut.frame_at(clip.range.start)
-        likely = written if lies in written else known or close
-        return lies if lies in likely else (known or written or [round(exact[0])])[0]
+        begun = [n for n in written if (camera, n) in self._begins]
+        if lies in written or (not begun and any(abs(lies - e) <= 2 * off for e in exact)):
+            return lies  # of a cut that was moved there, the picture was rounded twice
+        known = begun or [n for n in close if (camera, n) in self._begins]
+        return (known or written or [round(exact[0])])[0]
 
     def _writes(self, piece: Clip, frame: int, picture: Fraction) -> bool:
         """Whether an export says ``picture`` of a clip that begins at ``frame``: in pictures, frames, or exactly."""

@@ -175,10 +175,11 @@ class _Reader:
         return {"start": start, "end": stop}.get(kind, (start + stop) // 2)
 
     def _note_effects(self, item: ET.Element, of: str, start: int) -> None:
-        for effect in item.findall("./filter/effect"):
-            if not _is_untouched(effect):
-                what = effect.findtext("name", "an effect")
-                self.notes.append(f"{what!r} of {of} at frame {start}")
+        effects = item.findall("./filter/effect")
+        found = [effect.findtext("name", "an effect") for effect in effects if not _is_untouched(effect)]
+        mode = item.findtext("compositemode", "normal").strip()
+        for what in [*found, *([mode] if mode.lower() not in ("", "normal") else [])]:
+            self.notes.append(f"{what!r} of {of} at frame {start}")
 
     def _rate_of(self, element: ET.Element) -> Fraction | None:
         rate = element.find("rate")

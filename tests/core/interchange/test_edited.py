@@ -208,3 +208,26 @@ def test_a_head_trimmed_by_a_frame_of_a_camera_of_another_rate(by, rate, tmp_pat
     changes = read(made, ".xml", etree.tostring(root), tmp_path)
     expected = (R(30, 30 + by), "cam1") if by > 0 else (R(30 + by, 30), "cam2")
     assert (changes.cameras, changes.removed) == ((expected,), ())
+
+
+# ------------------------------------------------------------------------------------------- pictures taken away
+
+
+def test_a_multicam_clip_whose_picture_is_switched_off_is_named_and_decides_nothing(tmp_path):
+    made = film(RATE, 90)
+    root = by_lxml(FORMATS[".fcpxml"].write(made.cut()))
+    for source in root.findall(".//spine/mc-clip")[1].findall("mc-source"):
+        source.set("srcEnable", "none" if source.get("srcEnable") == "video" else "audio")
+    changes = read(made, ".fcpxml", etree.tostring(root), tmp_path)
+    assert (changes.cameras, changes.removed) == ((), ())
+    assert "a mc-clip 'cam2' at frame 30" in changes.notes
+
+
+def test_a_shot_that_is_mixed_with_what_is_below_is_named(tmp_path):
+    made = film(RATE, 90)
+    root = by_lxml(FORMATS[".xml"].write(made.cut()))
+    item = root.findall("./sequence/media/video/track")[-1].findall("clipitem")[1]
+    item.insert(3, etree.fromstring("<compositemode>screen</compositemode>"))
+    changes = read(made, ".xml", etree.tostring(root), tmp_path)
+    assert (changes.cameras, changes.removed) == ((), ())
+    assert changes.notes == ("'screen' of 'cam2' at frame 30",)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
+from itertools import product
 
 import attrs
 import pytest
@@ -146,6 +148,24 @@ def test_of_files_without_a_timecode_a_list_means_the_one_that_lies_there(alike,
     text = "\n".join(line for line in lines if "SOURCE FILE" not in line)
     changes = read(made, ".edl", text.encode(), tmp_path)
     assert (changes.cameras, changes.removed, changes.notes) == ((), (), ())
+
+
+@pytest.mark.parametrize(("by", "down"), [*product([-13, -2, 2, 7], [False, True]), (-1, True), (1, False)])
+def test_a_cut_moved_into_a_camera_of_another_rate_is_where_it_lies(by, down, tmp_path):
+    """An editor moves the picture by whole ones, rounded either way."""
+    rate = Fraction(30000, 1001)
+    made = film(rate, 300, files={"cam3": [facts_of("2/cam3.mp4", Fraction(25), 251)]})
+    root = by_lxml(FORMATS[".xml"].write(made.cut()))
+    second, third = root.findall("./sequence/media/video/track")[-1].findall("clipitem")[1:]
+    pictures = by * Fraction(25) / rate
+    for item, tag, shift in (
+        *((second, "end", by), (second, "out", by), (third, "start", by)),
+        (third, "in", math.floor(pictures) if down else math.ceil(pictures)),
+    ):
+        item.find(tag).text = str(int(item.find(tag).text) + shift)
+    changes = read(made, ".xml", etree.tostring(root), tmp_path)
+    expected = (R(200, 200 + by), "cam2") if by > 0 else (R(200 + by, 200), "cam3")
+    assert (changes.cameras, changes.removed) == ((expected,), ())
 
 
 def test_an_exact_list_without_its_files_and_with_another_reel_is_of_conformed_media(tmp_path):
