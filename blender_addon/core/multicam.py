@@ -41,11 +41,9 @@ def muted_over(strips: Sequence[FoundStrip], pieces: Iterable[FrameRange]) -> tu
     bare = without(pieces, ranges_of_spans((s.start, s.stop) for s in strips if not s.muted))
     found = []
     for strip in sorted((s for s in strips if s.muted), key=lambda s: s.channel, reverse=True):
-        under = [
-            both for own in ranges_of_spans([(strip.start, strip.stop)]) for p in bare if (both := p.intersection(own))
-        ]
-        found += [(piece, strip.name) for piece in under]
-        bare = without(bare, under)
+        rest = without(bare, ranges_of_spans([(strip.start, strip.stop)]))
+        found += [(piece, strip.name) for piece in without(bare, rest)]
+        bare = rest
     return tuple(sorted(found))
 
 

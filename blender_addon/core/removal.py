@@ -14,7 +14,7 @@ from attrs import frozen
 
 from mcsl_core.edl import Edl
 from mcsl_core.errors import InputError
-from mcsl_core.timing import FrameRange, joined, without
+from mcsl_core.timing import FrameRange, joined, ranges_of_spans, without
 
 from . import shot_list
 
@@ -78,8 +78,7 @@ def chosen(
         rows = shot_list.rows_of(edl)
         index = shot_list.row_at(rows, frame)
         spans = [(rows[index].range.start, rows[index].range.stop)] if index >= 0 else []
-    inside = [(max(start, 0), min(stop, edl.frames)) for start, stop in spans]
-    return tuple(joined(FrameRange(start, stop) for start, stop in inside if start < stop))
+    return ranges_of_spans((start, min(stop, edl.frames)) for start, stop in spans)
 
 
 def merged(removed: Iterable[FrameRange], found: FoundRemoval) -> tuple[FrameRange, ...]:
