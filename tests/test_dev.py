@@ -25,7 +25,7 @@ import pytest
 from packaging.requirements import Requirement
 from tiny_project import BACKEND, PYPROJECT, ROOT, Project
 
-SIDE_BY_SIDE = ("-n", "auto", "--maxprocesses", "4", "--dist", "loadfile")
+SIDE_BY_SIDE = ("-n", "auto", "--maxprocesses", "4", "--dist", "loadfile", "--no-loadscope-reorder")
 pytestmark = [
     pytest.mark.slow,  # an environment takes seconds to make
     pytest.mark.skipif(os.name == "nt", reason="the stand-ins are shell scripts"),
