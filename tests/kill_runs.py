@@ -88,11 +88,9 @@ class Desk:
     seconds: float
 
     @classmethod
-    def made(cls, kind: str, recording: Path, root: Path) -> Desk:
+    def made(cls, kind: str, analysed: Path, root: Path) -> Desk:
         before = root / kind
-        (before / "tmp").mkdir(parents=True)
-        shutil.copytree(recording, before / "recording")
-        run(WORDS["analyse"], before)
+        shutil.copytree(analysed, before)
         path = before / "edl.json"
         edl = attrs.evolve(edls.load(path), overrides=(DECIDED,))
         if kind in ("pull", "timeline"):  # a timeline that shows another camera than its EDL says
@@ -149,9 +147,17 @@ def _private(name: str) -> bool:
     return name.startswith(("edl.cache/", "tmp/")) or Path(name).name.startswith(".")
 
 
-def kill(kind: str, times: int, chance: random.Random, root: Path, recording: Path) -> tuple[int, int]:
-    """How many runs were killed at work, and how many ended before they could be."""
-    desk = Desk.made(kind, recording, root)
+def analysed(folder: Path) -> Path:
+    """A folder with a recording, its EDL and what was kept in making it."""
+    (folder / "tmp").mkdir(parents=True)
+    simulate(SCENE, folder / "recording", Silent())
+    run(WORDS["analyse"], folder)
+    return folder
+
+
+def kill(kind: str, times: int, chance: random.Random, root: Path, begun: Path) -> tuple[int, int]:
+    """How many runs were killed at work, and how many ended before they could be; ``begun`` is `analysed`."""
+    desk = Desk.made(kind, begun, root)
     at_work = sum(
         desk.killed_once(root / f"{kind}-{n}", chance.uniform(0.2, desk.seconds * 1.05)) for n in range(times)
     )
@@ -165,10 +171,9 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
-        recording = Path(name) / "recording"
-        simulate(SCENE, recording, Silent())
+        begun = analysed(Path(name) / "analysed")
         for kind in given.kinds:
-            at_work, ended = kill(kind, given.times, random.Random(given.seed), Path(name), recording)
+            at_work, ended = kill(kind, given.times, random.Random(given.seed), Path(name), begun)
             print(f"{kind}: {at_work} killed at work, {ended} had ended; nothing lost", flush=True)
 
 

@@ -11,8 +11,8 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import cv2
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import uniform_filter1d
 
 from mcsl_core.imaging.geometry import inverse, transform_points
 from mcsl_core.imaging.masks import Mask, central_ellipse, hue_mask, main_region
@@ -164,7 +164,7 @@ def modal_picture(aligned: AlignedPose, samples: Iterable[Mapping[str, Picture |
             counts[pixels[inside], bins[inside]] += 1  # each pixel once a view
     cube = counts.reshape(height, width, _BINS, _BINS, _BINS).astype(np.float32)
     for axis in (2, 3, 4):  # a colour on the border of two bins must not lose to one in the middle of its own
-        cube = uniform_filter1d(cube, 2, axis=axis, mode="constant")
+        cube = scipy.ndimage.uniform_filter1d(cube, 2, axis=axis, mode="constant")
     lab = _colours(cube.reshape(height * width, -1).argmax(axis=1)).reshape(height, width, 3)
     return cv2.cvtColor(lab, cv2.COLOR_LAB2BGR)  # pyright: ignore[reportReturnType]
 

@@ -11,10 +11,9 @@ from collections.abc import Mapping, Sequence
 
 import cv2
 import numpy as np
+import scipy
 from attrs import field, frozen
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter
-from scipy.special import rel_entr
 
 from mcsl_core.imaging.convex import convex_region
 from mcsl_core.imaging.masks import Mask, close_gaps, convex_hull, hue_mask, main_region
@@ -196,7 +195,7 @@ def _told(mask: Mask, evidence: Evidence) -> float:
     )
     both = inside + outside
     parts = ((side, both * side.sum() / max(both.sum(), 1e-9)) for side in (inside, outside))
-    return float(sum(rel_entr(side, expected).sum() for side, expected in parts))
+    return float(sum(scipy.special.rel_entr(side, expected).sum() for side, expected in parts))
 
 
 def _by_hue(evidence: Evidence) -> Mask:
@@ -271,7 +270,7 @@ def _bins(lab: NDArray) -> NDArray[np.int64]:
 
 def _smooth(counts: NDArray, light: float, colour: float = 1.0) -> NDArray[np.float64]:
     """Counts of colours, blurred; in lightness by ``light`` steps, as lamps light unevenly."""
-    return gaussian_filter(counts.reshape(_BINS, _BINS, _BINS), (light, colour, colour)).ravel()
+    return scipy.ndimage.gaussian_filter(counts.reshape(_BINS, _BINS, _BINS), (light, colour, colour)).ravel()
 
 
 def _judged(mask: Mask, evidence: Evidence) -> FoundField:

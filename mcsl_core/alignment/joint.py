@@ -13,8 +13,8 @@ from collections.abc import Mapping
 import cv2
 import numpy as np
 import poselib
+import scipy
 from attrs import field, frozen
-from scipy.optimize import least_squares
 
 from mcsl_core.edl import Weak
 from mcsl_core.imaging.geometry import Array, half_widths, transform_points
@@ -332,7 +332,7 @@ def _refine(
     # Huber beyond 5 % of the width, in the units that the weights give the residuals: relief is no outlier, and the
     # plane that serves the field best is the one of least squares (1 % instead: 0.05 more of the best plane's error).
     typical = float(np.median(np.concatenate([root for *_, root in terms])))
-    solved = least_squares(residuals, x0, loss="huber", f_scale=max(0.1 * typical, 1e-12), max_nfev=60)
+    solved = scipy.optimize.least_squares(residuals, x0, loss="huber", f_scale=max(0.1 * typical, 1e-12), max_nfev=60)
     if not np.isfinite(solved.x).all() or np.square(solved.fun).sum() > 4 * np.square(at_start).sum():
         return homographies
     refined = {reference: np.eye(3)}

@@ -10,9 +10,9 @@ from collections.abc import Mapping, Sequence
 
 import cv2
 import numpy as np
+import scipy
 from attrs import frozen
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter
 
 from mcsl_core.imaging.masks import Mask
 
@@ -126,5 +126,5 @@ def _counted(bins: NDArray[np.int32], where: Mask) -> NDArray[np.int64]:
 
 
 def _share(counted: NDArray) -> NDArray[np.float64]:
-    smooth = gaussian_filter(counted.reshape(_SHAPE).astype(np.float64), 1.0, mode="nearest").ravel()
+    smooth = scipy.ndimage.gaussian_filter(counted.reshape(_SHAPE).astype(np.float64), 1.0, mode="nearest").ravel()
     return smooth / max(float(smooth.sum()), 1e-9)

@@ -14,8 +14,8 @@ from typing import Any
 
 import attrs
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage, signal
 
 from mcsl_core.edl import Clock
 from mcsl_core.progress import Progress
@@ -176,7 +176,7 @@ def band_loudness(blocks: Iterable[NDArray]) -> Array:
     Array
         (3, n), natural logarithms clipped to -3..3; 0 where there is no sound.
     """
-    filters: list[Any] = [signal.butter(4, band, "bandpass", fs=RATE, output="sos") for band in BANDS_HZ]
+    filters: list[Any] = [scipy.signal.butter(4, band, "bandpass", fs=RATE, output="sos") for band in BANDS_HZ]
     states = [np.zeros((len(sos), 2)) for sos in filters]
     rows: list[Array] = []
     left: Array = np.zeros(0)
@@ -188,7 +188,7 @@ def band_loudness(blocks: Iterable[NDArray]) -> Array:
             continue
         energies = []
         for index, sos in enumerate(filters):
-            filtered: Any = signal.sosfilt(sos, sound, zi=states[index])
+            filtered: Any = scipy.signal.sosfilt(sos, sound, zi=states[index])
             states[index] = filtered[1]
             energies.append((filtered[0].reshape(-1, HOP) ** 2).mean(axis=1))
         rows.append(np.array(energies))
@@ -197,7 +197,7 @@ def band_loudness(blocks: Iterable[NDArray]) -> Array:
     energy = np.concatenate(rows, axis=1)
     floor = max(1e-10, float(np.median(energy)) * 1e-2)
     level = np.log(energy + floor)
-    smooth = ndimage.uniform_filter1d(level, 200, axis=1, mode="nearest")
+    smooth = scipy.ndimage.uniform_filter1d(level, 200, axis=1, mode="nearest")
     return np.clip(level - smooth, -3, 3)
 
 
@@ -258,7 +258,7 @@ def coarse_lag(reference: Array, other: Array) -> tuple[float, float]:
 
 def _candidate_lags(window: Array, other: Array) -> list[tuple[int, float]]:
     """The five best (index into ``other`` where the window begins, may be negative; peak in standard deviations)."""
-    total = sum(signal.correlate(o, w, "full", method="fft") for w, o in zip(window, other, strict=True))
+    total = sum(scipy.signal.correlate(o, w, "full", method="fft") for w, o in zip(window, other, strict=True))
     size = window.shape[1]
     power = np.convolve((other**2).sum(axis=0), np.ones(size), "full")
     # A lag at which little of the window overlaps must not win by chance.

@@ -16,9 +16,9 @@ from collections.abc import Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
+import scipy
 from attrs import frozen
 from numpy.typing import NDArray
-from scipy import signal
 
 from mcsl_core.edl import Clock
 from mcsl_core.progress import Progress
@@ -132,7 +132,8 @@ def clocks_from_motion(footage: Footage, reference: str, wanted: Sequence[str], 
 def _cross_correlation(a: Array, b: Array) -> tuple[Array, Array]:
     """(lags in values, correlation at each) of two tracks, so normalised that a short overlap cannot win by chance."""
     total = np.sum(
-        [signal.correlate(x - x.mean(), y - y.mean(), "full", method="fft") for x, y in zip(a, b, strict=True)], axis=0
+        [scipy.signal.correlate(x - x.mean(), y - y.mean(), "full", method="fft") for x, y in zip(a, b, strict=True)],
+        axis=0,
     )
     lags = np.arange(-(b.shape[1] - 1), a.shape[1])
     overlap = np.minimum(a.shape[1], lags + b.shape[1]) - np.maximum(0, lags)

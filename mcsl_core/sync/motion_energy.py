@@ -10,9 +10,9 @@ from fractions import Fraction
 
 import cv2
 import numpy as np
+import scipy
 from attrs import frozen
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from mcsl_core.media.frames import to_planes
 from mcsl_core.media.reading import VideoReader
@@ -134,5 +134,5 @@ def _evenly(times: Sequence[float], changes: Sequence[Sequence[float]], start_s:
     tracks = np.array([np.diff(np.interp(edges, times, column)) for column in sums.T])
     # Logarithms: a head close to one lens changes twenty times as much as the hands that all of them see.
     level = np.log(tracks + 0.02 * tracks.mean(axis=1, keepdims=True) + 1e-4)
-    baseline = ndimage.uniform_filter1d(level, round(BASELINE_S * rate) | 1, axis=1, mode="nearest")
+    baseline = scipy.ndimage.uniform_filter1d(level, round(BASELINE_S * rate) | 1, axis=1, mode="nearest")
     return np.clip(level - baseline, -3, 3)

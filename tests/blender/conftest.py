@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from fractions import Fraction
 from pathlib import Path
 
@@ -12,6 +13,8 @@ from blender_recording import FRAMES, an_edl, write_camera
 from mcsl_core import edl as edls
 from mcsl_core.blender.installation import Blender, find, private_python
 from mcsl_core.progress import Silent
+
+NAME = "Aufnahme 手術"
 
 
 def pytest_collection_modifyitems(items):
@@ -60,10 +63,7 @@ def footage(tmp_path_factory) -> Path:
     return folder
 
 
-@pytest.fixture
-def project(tmp_path, footage) -> Path:
-    """A folder of its own with the recording (as links) and edl.json; its name is not ASCII, as people's are not."""
-    folder = tmp_path / "Aufnahme 手術"
+def _begun(folder: Path, footage: Path) -> Path:
     folder.mkdir()
     for file in footage.iterdir():
         os.link(file, folder / file.name)
@@ -71,13 +71,40 @@ def project(tmp_path, footage) -> Path:
     return folder
 
 
-@pytest.fixture
-def built(project, blender) -> Path:
-    """The project's timeline."""
+def _timeline_of(project: Path, blender: Blender) -> Path:
     from mcsl_core.blender.timeline import build_timeline
 
     build_timeline(project / "edl.json", project / "edit.blend", blender=blender)
     return project / "edit.blend"
+
+
+@pytest.fixture
+def project(tmp_path, footage) -> Path:
+    """A folder of its own with the recording (as links) and edl.json; its name is not ASCII, as people's are not."""
+    return _begun(tmp_path / NAME, footage)
+
+
+@pytest.fixture(scope="session")
+def template(tmp_path_factory, footage, blender) -> Path:
+    """A project with its timeline: tests work in copies, since to build one takes a start of Blender."""
+    folder = _begun(tmp_path_factory.mktemp("template") / NAME, footage)
+    _timeline_of(folder, blender)
+    return folder
+
+
+@pytest.fixture
+def built(project, template) -> Path:
+    """The project's timeline, and what mcsl remembers of having written it; it knows that it is a copy."""
+    for file in template.iterdir():
+        if not (project / file.name).exists():
+            shutil.copy2(file, project / file.name)
+    return project / "edit.blend"
+
+
+@pytest.fixture
+def built_here(project, blender) -> Path:
+    """The project's timeline, which lies where it was built: also an EDL of other automatic decisions is its own."""
+    return _timeline_of(project, blender)
 
 
 @pytest.fixture(scope="session")

@@ -9,14 +9,18 @@ import kill_runs
 import pytest
 
 from mcsl_core.blender.installation import Blender
-from mcsl_core.progress import Silent
-from mcsl_core.simulation import simulate
+
+
+@pytest.fixture(scope="module")
+def begun(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return kill_runs.analysed(tmp_path_factory.mktemp("killed") / "analysed")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["timeline", "pull", "blender"])
-def test_a_killed_run_of_blender_loses_nothing(kind: str, blender: Blender, tmp_path: Path, monkeypatch) -> None:
+def test_a_killed_run_of_blender_loses_nothing(
+    kind: str, blender: Blender, begun: Path, tmp_path: Path, monkeypatch
+) -> None:
     monkeypatch.setenv("MCSL_BLENDER", blender.command[0])
-    simulate(kill_runs.SCENE, tmp_path / "recording", Silent())
-    killed, ended = kill_runs.kill(kind, 2, random.Random(), tmp_path, tmp_path / "recording")
+    killed, ended = kill_runs.kill(kind, 2, random.Random(), tmp_path, begun)
     assert killed + ended == 2

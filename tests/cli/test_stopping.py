@@ -174,7 +174,7 @@ def test_commands_stopped_at_random_leave_nothing_behind():
     """By hand with --times 20 and every command; docs/reliability.md has what came out."""
     commands = ["analyse", "conform"]
     done = subprocess.run(
-        [sys.executable, ROOT / "benchmarks" / "stops.py", "--times", "2", *commands],
+        [sys.executable, ROOT / "benchmarks" / "stops.py", "--times", "1", *commands],
         capture_output=True,
         text=True,
         check=False,

@@ -9,9 +9,9 @@ from collections.abc import Mapping, Sequence
 
 import cv2
 import numpy as np
+import scipy
 from attrs import frozen
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter
 
 from mcsl_core.imaging.exposure import gain_between, levelled, small
 from mcsl_core.imaging.geometry import size_at_columns
@@ -141,5 +141,5 @@ def _counted(bins: NDArray[np.int32]) -> NDArray[np.float64]:
 
 
 def _share(counted: NDArray[np.float64]) -> NDArray[np.float64]:
-    smooth = gaussian_filter(counted.reshape(_SHAPE), 1.0, mode="nearest").ravel()
+    smooth = scipy.ndimage.gaussian_filter(counted.reshape(_SHAPE), 1.0, mode="nearest").ravel()
     return smooth / max(float(smooth.sum()), 1e-9)

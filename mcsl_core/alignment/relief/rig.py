@@ -13,8 +13,8 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
+import scipy
 from attrs import frozen
-from scipy.optimize import minimize_scalar
 
 from mcsl_core.imaging.geometry import Array, project
 
@@ -103,7 +103,7 @@ def zoomed_rig(
     losses = [loss(way) for way in ways]
     at = int(np.argmin(losses))
     bounds = ways[max(at - 1, 0)], ways[min(at + 1, len(ways) - 1)]
-    best = minimize_scalar(loss, bounds=bounds, method="bounded", options={"xatol": 1e-4, "maxiter": 15})
+    best = scipy.optimize.minimize_scalar(loss, bounds=bounds, method="bounded", options={"xatol": 1e-4, "maxiter": 15})
     return zoomed(known, float(np.exp(best.x)), reference, sizes) if best.fun < _AGREED * np.median(losses) else None
 
 

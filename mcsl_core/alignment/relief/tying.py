@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import cv2
 import numpy as np
+import scipy
 from attrs import frozen
-from scipy.optimize import least_squares
 
 from mcsl_core.imaging.geometry import Array, project, scaling, size_at_columns, transform_points
 from mcsl_core.imaging.masks import Mask
@@ -138,6 +138,6 @@ def _fitted(
 
     x = np.delete(numbers, fixed)
     for scale in scales:
-        x = least_squares(off, x, loss="cauchy", f_scale=scale, x_scale="jac", max_nfev=40).x
+        x = scipy.optimize.least_squares(off, x, loss="cauchy", f_scale=scale, x_scale="jac", max_nfev=40).x
     left = np.hypot(*off(x).reshape(-1, 2).T)
     return moved(x) if np.median(left) < fits else None

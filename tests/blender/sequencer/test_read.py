@@ -125,15 +125,15 @@ def test_a_multicam_strip_in_a_meta_strip_is_refused(built, blender):
         pull_overrides(built, blender=blender)
 
 
-def test_analysing_again_keeps_the_decisions_and_an_old_timeline_adds_no_others(built, blender):
-    in_blender(blender, built, "at(5, 20).multicam_source = 3")
-    path = built.parent / "edl.json"
-    old = pull_overrides(built, blender=blender)
+def test_analysing_again_keeps_the_decisions_and_an_old_timeline_adds_no_others(built_here, blender):
+    in_blender(blender, built_here, "at(5, 20).multicam_source = 3")
+    path = built_here.parent / "edl.json"
+    old = pull_overrides(built_here, blender=blender)
     again = attrs.evolve(old, shots=(Shot(R(0, 33), "cam2"), Shot(R(33, FRAMES), "cam1")), overrides=())
     edls.save(carry_over(old, again), path)
-    assert pull_overrides(built, blender=blender).overrides == old.overrides
-    build_timeline(path, built, blender=blender, force=True)
-    assert pull_overrides(built, blender=blender).overrides == old.overrides
+    assert pull_overrides(built_here, blender=blender).overrides == old.overrides
+    build_timeline(path, built_here, blender=blender, force=True)
+    assert pull_overrides(built_here, blender=blender).overrides == old.overrides
 
 
 def test_overlapping_strips_the_topmost_decides_where_it_lies(built, blender):

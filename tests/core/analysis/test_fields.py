@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from fractions import Fraction
 from pathlib import Path
 
@@ -37,19 +38,32 @@ def test_reasons_claim_no_share_of_a_field_where_nothing_shows_one() -> None:
     ]
 
 
-@pytest.fixture(scope="module")
-def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Two poses of six seconds; so small that what counts is that the way is gone, not how well."""
-    folder = tmp_path_factory.mktemp("drawn") / "recording"
-    small = {"size": (320, 180), "rate": Fraction(5), "cameras": 3, "heads": 0}
-    simulate(Scenario(seed=5, duration_s=16, movements=((7, 1.5),), **small), folder, Silent())
-    return folder
-
-
 def analysed(recording: Path, out: Path, **settings) -> Edl:
     how = attrs.evolve(SETTINGS, **settings)
     analyse([recording], out, settings=how, plugins=discover(), progress=Silent())
     return edls.load(out)  # to as many digits as are kept
+
+
+@pytest.fixture(scope="module")
+def begun(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two poses of six seconds, analysed once; so small that what counts is that the way is gone, not how well."""
+    folder = tmp_path_factory.mktemp("drawn")
+    small = {"size": (320, 180), "rate": Fraction(5), "cameras": 3, "heads": 0}
+    simulate(Scenario(seed=5, duration_s=16, movements=((7, 1.5),), **small), folder / "recording", Silent())
+    analysed(folder / "recording", folder / "edl.json")
+    return folder
+
+
+@pytest.fixture
+def recording(begun: Path, tmp_path: Path) -> Path:
+    """A recording, in a folder of its own with its EDL and what was kept in making that."""
+    shutil.copytree(begun, tmp_path, dirs_exist_ok=True)
+    return tmp_path / "recording"
+
+
+@pytest.fixture
+def out(recording: Path) -> Path:
+    return recording.with_name("edl.json")
 
 
 def apart_in_field(one: Edl, other: Edl, pose: int) -> float:
@@ -64,9 +78,8 @@ def apart_in_field(one: Edl, other: Edl, pose: int) -> float:
 
 
 @pytest.mark.slow
-def test_what_is_drawn_is_used_and_kept_by_the_next_analysis(recording: Path, tmp_path: Path) -> None:
-    out = tmp_path / "edl.json"
-    first = analysed(recording, out)
+def test_what_is_drawn_is_used_and_kept_by_the_next_analysis(recording: Path, out: Path) -> None:
+    first = edls.load(out)
     assert [f.range for f in first.fields] == [pose.range for pose in first.poses]
     cut = first.poses[0].range.stop - 8
     with mcsl.open(out) as programme:
@@ -85,12 +98,10 @@ def test_what_is_drawn_is_used_and_kept_by_the_next_analysis(recording: Path, tm
 
 
 @pytest.mark.slow
-def test_the_middle_of_what_is_drawn_is_centred(recording: Path, tmp_path: Path) -> None:
+def test_the_middle_of_what_is_drawn_is_centred(recording: Path, out: Path) -> None:
     """A field at the left edge moves the picture to the right as far as centering goes."""
-    out = tmp_path / "edl.json"
     left = ((2.0, 60.0), (40.0, 60.0), (40.0, 120.0), (2.0, 120.0))
-    made = analysed(recording, out)
-    edls.save(draw_field(made, (left,)), out)
+    edls.save(draw_field(edls.load(out), (left,)), out)
     again = analysed(recording, out)
     assert again.centering[0][1] > 50
     assert {f.by for f in again.fields} == {"hand"}
