@@ -170,11 +170,10 @@ def test_it_says_whether_it_would_carry_on(arguments, said):
 
 @pytest.mark.slow
 @pytest.mark.timeout(1800)
-def test_commands_stopped_at_random_leave_nothing_behind():
+def test_a_command_stopped_at_random_leaves_nothing_behind():
     """By hand with --times 20 and every command; docs/reliability.md has what came out."""
-    commands = ["analyse", "conform"]
     done = subprocess.run(
-        [sys.executable, ROOT / "benchmarks" / "stops.py", "--times", "1", *commands],
+        [sys.executable, ROOT / "benchmarks" / "stops.py", "--times", "2", "analyse"],
         capture_output=True,
         text=True,
         check=False,

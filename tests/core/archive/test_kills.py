@@ -18,7 +18,7 @@ from archive_desk import mcsl
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import Scenario, simulate
 
-KILLS = int(os.environ.get("MCSL_KILLS", "6"))  # 20 take some minutes more
+KILLS = int(os.environ.get("MCSL_KILLS", "4"))  # 20 take some minutes more
 SCENE = Scenario(seed=5, duration_s=12, size=(128, 72), rate=5, cameras=2, movements=0)  # two chunks
 TABLE = "operation,parts\none,2\ntwo,2\n"
 MOST_RUNS = 100

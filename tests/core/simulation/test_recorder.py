@@ -110,7 +110,7 @@ def delivered(recordings, tmp_path_factory):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["interlaced", "hlg", "pq", "worst"])  # the last is all the others at once
+@pytest.mark.parametrize("kind", ["interlaced", "pq", "worst"])  # the last is all the others at once
 def test_analysed_and_conformed_it_is_as_the_plain_one(delivered, kind):
     """Where the cameras stand against the truth, and the programme's pictures against the plain one's."""
     plain, plain_offsets, plain_errors, plain_pictures, _ = delivered("plain")
