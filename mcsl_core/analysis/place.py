@@ -12,6 +12,7 @@ from mcsl_core import edl
 from mcsl_core.errors import InputError
 from mcsl_core.outputs import locks
 from mcsl_core.outputs.claim import claim, claim_folder
+from mcsl_core.outputs.manifest import State, state_of
 from mcsl_core.recording.discovery import SUFFIXES
 from mcsl_core.temporary import sweep
 
@@ -33,12 +34,15 @@ class EdlPlace:
         The EDL.
     before
         What lay there when the analysis began; None for nothing, or what ``force`` replaces.
+    state
+        The file as it was then.
     force
         Replace something else than an EDL.
     """
 
     path: Path
     before: edl.Edl | None
+    state: State | None
     force: bool
 
     @classmethod
@@ -46,8 +50,9 @@ class EdlPlace:
         """The place, checked before any work; InputError where it may not be written."""
         inputs = [*_files_of(recording), *gaze]
         claim(path, inputs=inputs, force=True)  # an EDL is known by being one, so that those of any origin are kept
+        state = state_of(path)  # asked before it is read: what is written meanwhile is then read again
         before = _existing(path, force)
-        place = cls(path, before, force)
+        place = cls(path, before, state, force)
         known = before is not None and before.scores == place.scores.name
         claim(place.scores, inputs=inputs, force=force or known or _is_scores(place.scores))
         cache = cache_folder(path)
@@ -71,7 +76,8 @@ class EdlPlace:
     def changing(self) -> Iterator[edl.Edl | None]:
         """Gives the EDL as it is now, while nobody else writes it: decisions taken since the start are in it."""
         with locks.changing(self.path):
-            yield _existing(self.path, self.force) if self.path.exists() else self.before
+            unchanged = state_of(self.path) in (self.state, None)  # or deleted meanwhile
+            yield self.before if unchanged else _existing(self.path, self.force)
 
 
 def _existing(path: Path, force: bool) -> edl.Edl | None:
