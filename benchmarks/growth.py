@@ -16,7 +16,9 @@ import subprocess
 import sys
 import threading
 import time
+from concurrent.futures import ProcessPoolExecutor
 from fractions import Fraction
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -198,7 +200,8 @@ def watched(*arguments: str) -> dict[str, Any]:
 
 def point(folder: Path, name: str, label: str, command: str) -> dict[str, Any]:
     """The figures of a command at a point, kept; a conform needs the analysis before it."""
-    source = recording(folder, name, label)
+    with ProcessPoolExecutor(1, get_context("spawn")) as other:  # a command starts with its parent's memory as its most
+        source = other.submit(recording, folder, name, label).result()
     kept, edl = folder / f"{source.name}.{command}.json", folder / f"{source.name}.edl.json"
     if kept.exists():
         return json.loads(kept.read_text("utf-8"))
