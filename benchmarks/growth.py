@@ -222,7 +222,7 @@ INTRO = (
     f"Simulated clips of {CLIP_S:.0f} s at {RATE} frames a second, joined packet by packet; a clip in which the lamp "
     "moves is one movement, and the join after it a jump.",
     "CPU seconds and memory are those of the command and all it starts (resident, read twice a second).",
-    "The time on the clock is kept, not told: other work had most of the machine.",
+    "The time on the clock is kept, not told: it depends on what else is at work.",
     "",
     "- Length: 3 cameras of 192x108, parts of an hour in each of which the lamp moves and jumps once. An hour has its "
     "movements, so that poses grow with the length.",
