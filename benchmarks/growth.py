@@ -16,9 +16,7 @@ import subprocess
 import sys
 import threading
 import time
-from concurrent.futures import ProcessPoolExecutor
 from fractions import Fraction
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +25,7 @@ from attrs import frozen
 
 from benchmarks.growth_page import STRAIGHT, chart, markdown, section
 from benchmarks.long_day import resident_mib
+from benchmarks.recordings import elsewhere
 from benchmarks.speed import CLIP_S, join
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import Scenario, simulate
@@ -200,8 +199,7 @@ def watched(*arguments: str) -> dict[str, Any]:
 
 def point(folder: Path, name: str, label: str, command: str) -> dict[str, Any]:
     """The figures of a command at a point, kept; a conform needs the analysis before it."""
-    with ProcessPoolExecutor(1, get_context("spawn")) as other:  # a command starts with its parent's memory as its most
-        source = other.submit(recording, folder, name, label).result()
+    source = elsewhere(recording, folder, name, label)
     kept, edl = folder / f"{source.name}.{command}.json", folder / f"{source.name}.edl.json"
     if kept.exists():
         return json.loads(kept.read_text("utf-8"))

@@ -22,6 +22,7 @@ from typing import Any
 
 import av
 
+from benchmarks.recordings import elsewhere
 from mcsl_core.progress import Silent
 from mcsl_core.simulation import Scenario, simulate
 
@@ -43,12 +44,6 @@ threads = [threading.Thread(target=decode, args=(p,)) for p in sys.argv[1:]]
 """
 # The clips' sound repeats, so that it fits at every 20 s: all of it is heard, and then refused.
 WAY = ("--progress", "none", "analyse", "--sync", "audio")
-MAKE = """
-import sys
-from pathlib import Path
-from benchmarks.speed import recording
-recording(Path(sys.argv[1]), float(sys.argv[2]))
-"""
 ANALYSE = "import sys; from mcsl_core.cli.main import main; sys.exit(main(sys.argv[1:]))"
 
 
@@ -113,8 +108,7 @@ def run(code: str, *arguments: str) -> dict[str, float]:
 def main() -> None:
     folder = Path(sys.argv[1])
     minutes = float(sys.argv[2]) if len(sys.argv) > 2 else 10.0
-    run(MAKE, str(folder), str(minutes))  # elsewhere: what is started is counted with the memory of who starts it
-    source = recording(folder, minutes)
+    source = elsewhere(recording, folder, minutes)
     files = [str(p) for p in sorted(source.glob("*.mp4"))]
     out = folder / f"{minutes:g}-minutes.edl.json"
     keyframes = run(KEYFRAMES, *files)

@@ -38,8 +38,8 @@ _ROOT = Path(__file__).parent
 def code_of(*used: Any) -> str:
     """A hash of the code behind functions, classes or modules.
 
-    Of this package it is their own modules and all that those import, in whatever way; comments, docstrings and layout
-    are no part of it. Of another package, a plugin, it is the whole of its source, since nobody knows how it hangs
+    Of this package it is their own modules and all that those import, in whatever way; comments, docstrings, layout
+    and assertions are no part of it. Of another package, a plugin, it is the whole of its source, since nobody knows how it hangs
     together, and what it imports of this one. The versions of all libraries that are imported stand beside.
     """
     digest = hashlib.sha256()
@@ -173,6 +173,7 @@ def _stable(constant: object) -> str:
 
 
 def _imports(code: CodeType) -> Iterator[_Import]:
+    # A method that modulefinder's page does not name; a test holds it against the syntax tree.
     for kind, what in ModuleFinder().scan_opcodes(code):
         match kind:
             case "absolute_import":

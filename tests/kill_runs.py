@@ -88,9 +88,9 @@ class Desk:
     seconds: float
 
     @classmethod
-    def made(cls, kind: str, analysed: Path, root: Path) -> Desk:
+    def made(cls, kind: str, begun: Path, root: Path) -> Desk:
         before = root / kind
-        shutil.copytree(analysed, before)
+        shutil.copytree(begun, before)
         path = before / "edl.json"
         edl = attrs.evolve(edls.load(path), overrides=(DECIDED,))
         if kind in ("pull", "timeline"):  # a timeline that shows another camera than its EDL says

@@ -49,6 +49,9 @@ print(json.dumps([spent, sorted({{name.split(".")[0] for name in set(sys.modules
 """
 
 
+PARTS = {"scipy.signal", "scipy.stats", "scipy.optimize", "scipy.interpolate"}
+
+
 def imported(module: str) -> tuple[float, set[str]]:
     """Seconds that an import takes in a fresh Python, at the best of three, and the top packages that came with it."""
     command = [sys.executable, "-c", IMPORTED.format(module=module)]
@@ -65,6 +68,12 @@ def test_importing_the_front_door_takes_no_time_and_brings_the_standard_library_
 def test_the_stages_come_without_the_rest_of_the_hooks() -> None:
     _, packages = imported("mcsl_core.hooks.stages")
     assert not packages & {"numpy", "cv2", "pluggy", "av", "scipy", "sklearn"}
+
+
+def test_a_stage_of_the_analysis_brings_the_parts_of_scipy_that_it_uses() -> None:
+    """All parts that any stage uses take as long to import as all the rest of mcsl."""
+    told = f"import sys, mcsl_core.analysis.pipeline; print({PARTS!r} & set(sys.modules))"
+    assert subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True).stdout == "set()\n"
 
 
 def test_type_checkers_are_told_that_mcsl_is_typed() -> None:

@@ -5,9 +5,14 @@ A copy of the package is edited, and asked about in place of the one that runs.
 
 from __future__ import annotations
 
+import ast
+import os
 import shutil
+import subprocess
+import sys
 import types
 from fractions import Fraction
+from importlib import metadata
 from pathlib import Path
 
 import attrs
@@ -130,6 +135,41 @@ def test_words_and_layout_are_no_code(tree: Path) -> None:
         text = path.read_text()
         path.write_text("# a comment\n" + text.replace('"""', '"""Other words. ', 1).replace("\n\n\n", "\n\n\n\n"))
     assert keys() == before
+
+
+CODE = "import sys; from mcsl_core import code_keys; from mcsl_core.occlusion import consensus as used; print({})"
+
+
+def test_keys_are_the_same_in_every_process() -> None:
+    """Sets in the code stand in another order in each."""
+    told = {
+        subprocess.run(
+            [sys.executable, "-c", CODE.format("code_keys.code_of(used)")],
+            env={**os.environ, "PYTHONHASHSEED": seed},
+            capture_output=True,
+            check=True,
+        ).stdout
+        for seed in ("1", "2", "3")
+    }
+    assert len(told) == 1
+
+
+def test_imports_are_those_of_the_syntax_tree() -> None:
+    for path in sorted(code_keys._ROOT.rglob("*.py")):
+        named = set[tuple[int, str, tuple[str, ...]]]()
+        for node in ast.walk(ast.parse(path.read_bytes())):
+            if isinstance(node, ast.ImportFrom):
+                named.add((node.level, node.module or "", tuple(alias.name for alias in node.names)))
+            elif isinstance(node, ast.Import):
+                named |= {(0, alias.name, ()) for alias in node.names}
+        own = {each for each in named if each[0] or each[1].partition(".")[0] == "mcsl_core"}
+        assert {(i.level, i.module, i.names) for i in code_keys._read(path.read_bytes()).imports} == own, path
+
+
+def test_versions_are_those_that_the_standard_library_finds() -> None:
+    for library, distributions in metadata.packages_distributions().items():
+        versions = {name: metadata.version(name) for name in distributions}
+        assert code_keys._version(library).split() == [versions[name] for name in sorted(versions)], library
 
 
 @pytest.mark.parametrize(
