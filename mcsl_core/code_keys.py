@@ -39,8 +39,8 @@ def code_of(*used: Any) -> str:
     """A hash of the code behind functions, classes or modules.
 
     Of this package it is their own modules and all that those import, in whatever way; comments, docstrings, layout
-    and assertions are no part of it. Of another package, a plugin, it is the whole of its source, since nobody knows how it hangs
-    together, and what it imports of this one. The versions of all libraries that are imported stand beside.
+    and assertions are no part of it. Of another package, a plugin, it is the whole of its source, since nobody knows
+    how it hangs together, and what it imports of this one. The versions of all imported libraries stand beside.
     """
     digest = hashlib.sha256()
     libraries: set[str] = set()
