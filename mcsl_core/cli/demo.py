@@ -25,7 +25,7 @@ from mcsl_core.outputs.inputs import inputs_of
 from mcsl_core.outputs.manifest import Manifest
 from mcsl_core.progress import Progress
 from mcsl_core.report.contact_sheet import contact_sheet, head_sheet, movement_sheet, save_picture
-from mcsl_core.simulation import Scenario, Truth, alignment_error, best_plane_error, simulate
+from mcsl_core.simulation import Recorder, Scenario, Truth, alignment_error, best_plane_error, simulate
 
 DURATION_S = 40.0
 FREE, COVERED = 0.9, (0.1, 0.7)  # shares of the field that others see, and who has a head before it
@@ -55,7 +55,8 @@ def run_demo(folder: Path, *, seed: int, blender: str | None, force: bool = Fals
     for file in (blend, video, sheet, moving, covered):
         claim(file, manifest=Manifest.beside(edl_path), force=force)
     scenario = Scenario(seed=seed, duration_s=DURATION_S, movements=1)
-    truth = simulate(scenario, recording, progress, force=force)
+    recorder = Recorder(quick_coding=True)
+    truth = simulate(scenario, recording, progress, recorder, force=force)
     made = analyse([recording], edl_path, settings=AnalysisSettings(), plugins=plugins, force=force, progress=progress)
     build_timeline(edl_path, blend, blender=desk, force=force, progress=progress)
     rendering.render(blend, video, preset="h264", engine="blender", blender=desk, force=force, progress=progress)

@@ -13,7 +13,6 @@ from attrs import frozen
 
 from mcsl_core.edl import Camera
 from mcsl_core.media.facts import MediaFacts
-from mcsl_core.media.hardware import NONE
 from mcsl_core.media.reading import VideoReader
 
 
@@ -78,12 +77,12 @@ class Decoder:
     ----------
     parts
         The camera's files in order.
-    threads, skip, hwaccel
-        As `VideoReader` takes them.
+    how
+        ``threads``, ``skip``, ``loop_filter`` and ``hwaccel``, as `VideoReader` takes them.
     """
 
-    def __init__(self, parts: Sequence[Part], *, threads: int = 0, skip: str = "", hwaccel: str = NONE) -> None:
-        self._parts, self._how = parts, {"threads": threads, "skip": skip, "hwaccel": hwaccel}
+    def __init__(self, parts: Sequence[Part], **how: Any) -> None:
+        self._parts, self._how = parts, how
         self._part: Part | None = None
         self._reader: VideoReader | None = None
         self._pictures: Iterator[tuple[Fraction, Any]] = iter(())

@@ -33,6 +33,7 @@ from .decoder import DecodedFrame, Decoder, Part, exact_camera_time, exact_progr
 from .joining import joined
 from .sound_track import SoundTrack, sound_track
 
+_LEFT_OUT = 4  # pictures in a row that no other needs, and one more: coders seldom put more than three B-frames
 _MEDIANS, _KEYFRAMES = 16, 40  # pictures' worth of medians, and of what they are made from; 3 MB each at 1080p
 
 
@@ -254,6 +255,41 @@ class Footage:
                 last = frame
                 shown = self.shown(camera, decoder, frame)
                 yield frame, None if shown is None else self.picture(camera, shown, height)
+
+    def glances(
+        self, camera: str, frames: Sequence[int], *, height: int, early_s: float
+    ) -> Iterator[tuple[U8 | None, float]]:
+        """As `pictures`, for what is measured and never shown, in less time.
+
+        Parameters
+        ----------
+        camera, frames, height
+            As `pictures` takes them.
+        early_s
+            By how many seconds a picture may be an earlier one than the one asked for.
+
+        Yields
+        ------
+        picture, taken
+            (H, W, 3) or None without picture, and when it was taken, in programme frames. It is not smoothed as its
+            coder meant it (`VideoReader`). Pictures that no other needs are not decoded where that makes it no earlier
+            than ``early_s``.
+
+        Notes
+        -----
+        Of a simulated recording, 1080p at 30 frames a second with B-frames, decoding takes 0.60 of the time, 0.84 by the
+        loop filter alone; scaled to 540 rows one pixel of 100,000 is more than 8 of 255 off, at most.
+        """
+        rate, parts = self.camera(camera).rate, self.parts(camera)
+        skip = "NONREF" if _LEFT_OUT / rate <= early_s else ""
+        with closing(Decoder(parts, skip=skip, loop_filter=False, **self._decoding)) as decoder:
+            for frame in frames:
+                shown = self.shown(camera, decoder, frame)
+                if shown is None:
+                    yield None, float(frame)
+                else:
+                    taken = exact_programme_time(self.camera(camera), shown.camera_s) * self.rate
+                    yield self.picture(camera, shown, height), float(taken)
 
     def full_picture(self, camera: str, shown: DecodedFrame) -> Planes:
         """The picture of a decoded frame of ``camera``, of the size that the EDL says."""

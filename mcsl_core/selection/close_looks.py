@@ -20,7 +20,6 @@ from attrs import field, frozen
 from numpy.typing import NDArray
 
 from mcsl_core.edl import Movement, Shot
-from mcsl_core.edl.following import shown_at
 from mcsl_core.occlusion.score_table import ScoreTable
 from mcsl_core.occlusion.scoring import ScoringSegment
 from mcsl_core.progress import Progress
@@ -30,7 +29,8 @@ from mcsl_core.timing import FrameRange, joined
 
 T = TypeVar("T")
 Choose = Callable[[ScoreTable], Sequence[Shot]]
-Rows = Mapping[int, tuple[NDArray[np.float64], NDArray[np.bool_]]]  # frame -> (visible, usable) of some cameras
+# Frame -> (visible, usable, shown) of some cameras, as a `ScoreTable` has them.
+Rows = Mapping[int, tuple[NDArray[np.float64], NDArray[np.bool_], NDArray[np.int64]]]
 Look = Callable[[Sequence[str], Sequence[FrameRange]], Rows]
 
 
@@ -181,7 +181,7 @@ def without_doubts(table: ScoreTable, choose: Choose, look: Look, step: int, cha
         for camera, seen in alone.items():
             asked = {(camera, doubt.stretch) for doubt in found if camera in doubt.shown and not doubt.poor} - alone_at
             rows = look((camera,), joined(stretch for _, stretch in asked))
-            seen |= {frame: float(visible[0]) for frame, (visible, _) in rows.items()}
+            seen |= {frame: float(visible[0]) for frame, (visible, *_) in rows.items()}
             alone_at |= asked
         certain = [d.stretch for d in found if d.poor or _covered(d, table, alone, change)]
         if not certain:
@@ -296,17 +296,21 @@ class _Looks:
         frames, rows = sorted(segment_of), {}
         with ThreadPoolExecutor(len(cameras)) as pool:
             # One decoder a camera for all stretches: to open one for each took a fifth of the time.
-            pictures = [
-                _read_ahead(pool, self.footage.pictures(camera, frames, height=SAMPLE_HEIGHT)) for camera in cameras
+            early_s = self.step / float(self.footage.rate)
+            glances = [
+                _read_ahead(pool, self.footage.glances(name, frames, height=SAMPLE_HEIGHT, early_s=early_s))
+                for name in cameras
             ]
-            for frame, *together in zip(frames, *pictures, strict=True):
-                shown = {camera: picture for camera, (_, picture) in zip(cameras, together, strict=True)}
-                taken = {name: shown_at(self.footage.camera(name), frame, self.footage.rate) for name in cameras}
+            for frame, *together in zip(frames, *glances, strict=True):
+                pictures, taken = (dict(zip(cameras, each, strict=True)) for each in zip(*together, strict=True))
                 segment = segment_of[frame]
-                views = segment.views(shown, taken)
+                views = segment.views(pictures, taken)
                 scores, there = segment.score(views), {view.camera for view in views}
                 visible = np.array([scores.get(camera, np.nan) for camera in cameras])
-                rows[frame] = visible, np.array([camera in there for camera in cameras])
+                usable = np.array([camera in there for camera in cameras])
+                at = np.rint(list(taken.values())).astype(np.int64)
+                visible[[any(int(n) in movement.range for movement in self.held) for n in at]] = np.nan
+                rows[frame] = visible, usable, at
                 self.progress.advance(len(rows))
         return rows
 
@@ -337,11 +341,10 @@ def _covered(doubt: Doubt, table: ScoreTable, seen: dict[str, dict[int, float]],
 
 
 def _with_rows(table: ScoreTable, rows: Rows) -> ScoreTable:
-    """The table with these rows, frame -> (visible, usable), in place of its own or between them."""
+    """The table with these rows in place of its own or between them."""
     if not rows:
         return table
     own = {int(n): (table.visible[i], table.usable[i], table.shown[i]) for i, n in enumerate(table.frames)}
-    close = {n: (*row, np.full(len(table.cameras), n)) for n, row in rows.items()}
-    merged = dict(sorted({**own, **close}.items()))
+    merged = dict(sorted({**own, **rows}.items()))
     visible, usable, shown = (np.array(part) for part in zip(*merged.values(), strict=True))
     return ScoreTable(np.array(list(merged)), table.cameras, visible, usable, shown=shown)

@@ -16,7 +16,6 @@ from attrs import field, frozen
 from numpy.typing import NDArray
 
 from mcsl_core.edl import Movement, Shot
-from mcsl_core.edl.following import shown_at
 from mcsl_core.occlusion.scoring import ScoringSegment
 from mcsl_core.progress import Progress
 from mcsl_core.recording.footage import Footage
@@ -93,9 +92,11 @@ def refine_switches(
         if segment is None or scored is None:
             return switch
         frames = range(scored.start, scored.stop, step)
-        gain = _visible(before.camera, frames, footage, segment) - _visible(after.camera, frames, footage, segment)
+        seen, seen_after = (
+            _visible(shot.camera, frames, footage, segment, settings.step_s) for shot in (before, after)
+        )
         lacks = _gaps(footage, after.camera, scored) - _gaps(footage, before.camera, scored)
-        return clearest(switch, scored, np.array(frames), gain, lacks)
+        return clearest(switch, scored, np.array(frames), seen - seen_after, lacks)
 
     progress.stage("Refining the switches", len(shots) - 1, "switches")
     switches: list[int] = []
@@ -229,12 +230,17 @@ def clearest(
     return int(best[np.argmin(np.abs(best - switch))])  # of equals the one nearest to where the samples put it
 
 
-def _visible(camera: str, frames: Sequence[int], footage: Footage, segment: ScoringSegment) -> NDArray[np.float64]:
-    """(N,) visible field of ``camera`` at ``frames``, 0..1, NaN without picture."""
-    visible = np.full(len(frames), np.nan)
-    for position, (_, picture) in enumerate(footage.pictures(camera, frames, height=SAMPLE_HEIGHT)):
-        taken = shown_at(footage.camera(camera), frames[position], footage.rate)
+def _visible(
+    camera: str, frames: Sequence[int], footage: Footage, segment: ScoringSegment, early_s: float
+) -> NDArray[np.float64]:
+    """(N,) visible field of ``camera`` at ``frames``, 0..1, NaN without picture; see `Footage.glances`."""
+    visible, shown = np.full(len(frames), np.nan), np.array(frames, np.float64)
+    glances = footage.glances(camera, frames, height=SAMPLE_HEIGHT, early_s=early_s)
+    for position, (picture, taken) in enumerate(glances):
         views = segment.views({camera: picture}, {camera: taken})
         if views:
-            visible[position] = segment.score(views)[camera]
+            visible[position], shown[position] = segment.score(views)[camera], taken
+    known = ~np.isnan(visible)
+    if known.any():
+        visible[known] = np.interp(np.array(frames)[known], shown[known], visible[known])
     return visible

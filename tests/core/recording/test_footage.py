@@ -71,6 +71,42 @@ def test_pictures_at_random_rising_frames(tmp_path):
         list(f.pictures("a", [5, 5]))
 
 
+B_FRAMES = {"preset": "veryfast", "bf": "3", "x264-params": "b-pyramid=2"}
+
+
+@pytest.mark.parametrize("early_s", [0.0, 0.2])
+def test_a_glance_says_when_its_picture_was_taken(tmp_path, early_s):
+    path = write_coded(tmp_path / "a.mp4", range(150), gop=30, options=B_FRAMES)
+    f = footage(camera("a", path, clock=Clock(offset_s=0.5)))
+    wanted = [20, 21, 26, 58, 59, 110, 111, 164, 165, 199]
+    got = list(f.glances("a", wanted, height=144, early_s=early_s))
+    assert [n for n, (picture, _) in zip(wanted, got, strict=True) if picture is None] == [165, 199]
+    for asked, (picture, taken) in zip(wanted, got, strict=True):
+        if picture is not None:
+            assert taken == read_number(picture) + 15
+            assert 0 <= asked - taken <= early_s * 30
+    early = [asked - taken for asked, (_, taken) in zip(wanted, got, strict=True)]
+    assert any(early) == (early_s > 0)
+
+
+def test_a_slow_cameras_glance_is_of_the_very_picture(tmp_path):
+    """Three pictures of fifteen a second that are left out would be more than the fifth of a second."""
+    path = write_coded(tmp_path / "a.mp4", range(60), rate=Fraction(15), options=B_FRAMES)
+    f = footage(camera("a", path, rate=Fraction(15)), rate=Fraction(15), frames=60)
+    assert [read_number(p) for p, _ in f.glances("a", range(60), height=144, early_s=0.2)] == list(range(60))
+
+
+def test_a_glance_is_nearly_the_picture(tmp_path):
+    """Blocks' edges are not smoothed, which shows less than that it was coded."""
+    path = write_coded(tmp_path / "a.mp4", range(60), gop=60, options={"preset": "medium", "crf": "28", "bf": "0"})
+    f = footage(camera("a", path))
+    smooth = [p for _, p in f.pictures("a", range(60), height=144)]
+    rough = [p for p, _ in f.glances("a", range(60), height=144, early_s=0.0)]
+    for number, (a, b) in enumerate(zip(smooth, rough, strict=True)):
+        coding, skipped = (np.abs(a.astype(int) - other).mean() for other in (coded_picture(number), b))
+        assert 0 < skipped < coding
+
+
 def test_pictures_have_the_colours_that_were_written(tmp_path):
     path = write_coded(tmp_path / "a.mkv", [7], options={"qp": "0", "preset": "veryfast"}, size=(1280, 720))
     f = footage(camera("a", path, size=(1280, 720)))

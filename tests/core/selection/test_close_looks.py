@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from pathlib import Path
 
 import attrs
 import numpy as np
@@ -40,16 +41,19 @@ def bright(camera: str, frame: int) -> int:
     return 120 if camera == "cam2" else 30 if frame in DARK else 230
 
 
-@pytest.fixture(scope="module")
-def footage(tmp_path_factory: pytest.TempPathFactory) -> Footage:
-    folder = tmp_path_factory.mktemp("looks")
+def filmed(folder: Path, rate: int) -> Footage:
     cameras = []
     for name in CAMERAS:
-        with VideoWriter(folder / f"{name}.mp4", size=SIZE, rate=Fraction(RATE)) as writer:
+        with VideoWriter(folder / f"{name}.mp4", size=SIZE, rate=Fraction(rate)) as writer:
             for n in range(FRAMES):
                 writer.write(bgr_to_planes(np.full((SIZE[1], SIZE[0], 3), bright(name, n), np.uint8)))
-        cameras.append(Camera(name, (Media(f"{name}.mp4", FRAMES, ""),), SIZE, Fraction(RATE)))
-    return Footage(cameras, rate=Fraction(RATE), frames=FRAMES, base=folder)
+        cameras.append(Camera(name, (Media(f"{name}.mp4", FRAMES, ""),), SIZE, Fraction(rate)))
+    return Footage(cameras, rate=Fraction(rate), frames=FRAMES, base=folder)
+
+
+@pytest.fixture(scope="module")
+def footage(tmp_path_factory: pytest.TempPathFactory) -> Footage:
+    return filmed(tmp_path_factory.mktemp("looks"), RATE)
 
 
 def segment(start: int = 0, stop: int = FRAMES) -> ScoringSegment:
@@ -88,6 +92,19 @@ def test_it_is_looked_closer_where_the_camera_on_air_is_covered_and_nowhere_else
     shots = programme(found)
     assert [s.camera for s in shots] == ["cam1", "cam2", "cam1"]
     assert [abs(s.range.start - edge) <= 1 for s, edge in zip(shots[1:], (DARK.start, DARK.stop), strict=True)]
+
+
+def test_a_look_says_which_pictures_it_saw(tmp_path: Path) -> None:
+    """Of thirty a second every other is left undecoded; those that no other picture needs."""
+    found = looked(sampled(), filmed(tmp_path, 30), segment())
+    looks = [i for i, n in enumerate(found.frames) if int(n) in between(found)]
+    early = found.frames[looks, None] - found.shown[looks]
+    assert early.min() >= 0
+    assert 1 <= early.max() <= 3
+    for shown, seen in zip(found.shown[looks], found.visible[looks], strict=True):
+        assert seen == pytest.approx(
+            [bright(camera, int(n)) / 255 for camera, n in zip(CAMERAS, shown, strict=True)], abs=0.02
+        )
 
 
 def test_a_camera_that_samples_show_free_is_looked_at_where_another_changes(footage: Footage) -> None:
@@ -130,7 +147,7 @@ def test_it_is_looked_again_where_the_programme_chosen_anew_is_in_doubt() -> Non
         asked.extend([tuple(names)] * bool(at))
         every = dict(zip(cameras, (0.9, 0.85, 0.8, 0.1), strict=True))
         shown = {n: np.array([0.0 if n in truth.get(name, ()) else every[name] for name in names]) for n in at}
-        return {n: (seen, np.ones(len(names), bool)) for n, seen in shown.items()}
+        return {n: (seen, np.ones(len(names), bool), np.full(len(names), n)) for n, seen in shown.items()}
 
     table = ScoreTable(frames, cameras, visible, np.ones(visible.shape, bool))
     assert {s.camera for s in programme(table)} == {"a"}
@@ -231,7 +248,7 @@ def test_doubts_rise_from_sample_to_sample_and_looking_ends(seed: int, step: int
 
     def look(names, stretches):
         at = [n for stretch in stretches for n in range(stretch.start, stretch.stop, step)]
-        return {n: (rng.random(len(names)), np.ones(len(names), bool)) for n in at}
+        return {n: (rng.random(len(names)), np.ones(len(names), bool), np.full(len(names), n)) for n in at}
 
     last = int(frames[-1]) + 9
     closer = without_doubts(
