@@ -277,8 +277,8 @@ class Footage:
 
         Notes
         -----
-        Of a simulated recording, 1080p at 30 frames a second with B-frames, decoding takes 0.60 of the time, 0.84 by the
-        loop filter alone; scaled to 540 rows one pixel of 100,000 is more than 8 of 255 off, at most.
+        Of a simulated recording, 1080p at 30 frames a second with B-frames, decoding takes 0.60 of the time, 0.84 by
+        the loop filter alone; scaled to 540 rows one pixel of 100,000 is more than 8 of 255 off, at most.
         """
         rate, parts = self.camera(camera).rate, self.parts(camera)
         skip = "NONREF" if _LEFT_OUT / rate <= early_s else ""
