@@ -51,7 +51,7 @@ PLANES = {
     MOVING: Look(surface=False),
 }
 LOOKS = {name + how: attrs.evolve(look, surface=bool(how)) for name, look in PLANES.items() for how in ("", BY_RELIEF)}
-REACH = {WARP: 0.7, ALL: 0.4}
+REACH = {WARP + how: 0.9 for how in ("", BY_RELIEF)} | {ALL + BY_RELIEF: 0.7, MOVING + BY_RELIEF: 0.5}
 SURFACE_REACH = 0.8  # of the plane's rate
 YARDSTICK = "transcode"
 

@@ -138,7 +138,7 @@ def main() -> None:
             f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}. Five files of "
             f"{minutes:g} minutes, 1920x1080 at 30 frames a second, a keyframe a second; the lamp moved or jumped "
             f"{len(made['movements'])} times. Yardstick: decoding only the keyframes, a thread a camera. Reach: at "
-            "most 3 times its time, 4 times real time, 2048 MiB.",
+            "most 2 times its time, 6 times real time, 2048 MiB.",
             "",
             "| | wall s | CPU s | times the yardstick's wall | CPU | times real time | most MiB |",
             "|---|---|---|---|---|---|---|",
