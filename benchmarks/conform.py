@@ -195,9 +195,9 @@ def markdown(rounds: list[dict[str, dict[str, float]]], memory: dict[float, floa
 
 def main() -> None:
     folder, count = Path(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 5
+    load = os.getloadavg()[0]  # before its own recordings are made
     clip, small = source(folder, SIZE), source(folder, SMALL)
-    load, kinds = os.getloadavg()[0], [YARDSTICK, *LOOKS]
-    rounds = []
+    kinds, rounds = [YARDSTICK, *LOOKS], []
     for index in range(count):
         order = kinds if index % 2 == 0 else kinds[::-1]
         made = {kind: run(kind, clip, RUN_S) for kind in order}
