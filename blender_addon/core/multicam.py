@@ -38,9 +38,12 @@ def deciding(strips: Iterable[FoundStrip], frame: int) -> FoundStrip | None:
 
 def muted_over(strips: Sequence[FoundStrip], pieces: Iterable[FrameRange]) -> tuple[tuple[FrameRange, str], ...]:
     """Where in ``pieces`` no shot shows because the one that lies there is muted, and the name of that strip."""
+    muted = sorted((s for s in strips if s.muted), key=lambda s: s.channel, reverse=True)
+    if not muted:
+        return ()
     bare = without(pieces, ranges_of_spans((s.start, s.stop) for s in strips if not s.muted))
     found = []
-    for strip in sorted((s for s in strips if s.muted), key=lambda s: s.channel, reverse=True):
+    for strip in muted:
         rest = without(bare, ranges_of_spans([(strip.start, strip.stop)]))
         found += [(piece, strip.name) for piece in without(bare, rest)]
         bare = rest
