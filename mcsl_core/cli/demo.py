@@ -27,7 +27,7 @@ from mcsl_core.progress import Progress
 from mcsl_core.report.contact_sheet import contact_sheet, head_sheet, movement_sheet, save_picture
 from mcsl_core.simulation import Recorder, Scenario, Truth, alignment_error, best_plane_error, simulate
 
-DURATION_S = 40.0
+DURATION_S = 30.0
 FREE, COVERED = 0.9, (0.1, 0.7)  # shares of the field that others see, and who has a head before it
 
 

