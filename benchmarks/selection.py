@@ -127,7 +127,8 @@ class Scored:
             decoded += len(cameras) * sum(len(stretch) - 1 for stretch in stretches)
             columns = [table.cameras.index(camera) for camera in cameras]
             frames = [n for stretch in stretches for n in range(stretch.start, stretch.stop, step)]
-            return {n: (self.scores[n, columns], np.ones(len(columns), bool)) for n in frames}
+            there, count = np.ones(len(columns), bool), len(columns)
+            return {n: (self.scores[n, columns], there, np.full(count, n)) for n in frames}
 
         closer = without_doubts(table, choose, look, step, settings.change)
         return closer, decoded / self.seen.size
