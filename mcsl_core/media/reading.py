@@ -39,7 +39,8 @@ class VideoReader:
         What the decoder may leave out: "NONREF", pictures that no other needs; "NONKEY", all but keyframes.
     loop_filter
         Whether blocks' edges are smoothed as the coder meant it; where not, H.264 is decoded in less time, and its
-        blocks show a little. What refuses a picture by its checksum (HEVC) smooths in any case.
+        blocks show a little, more from picture to picture up to the next keyframe, where they jump back: nothing to
+        see movements in. What refuses a picture by its checksum (HEVC) smooths in any case.
     hwaccel
         Which hardware decodes, as `open_file` takes it. Its frames come back in the processor's memory.
 

@@ -271,24 +271,25 @@ class Footage:
         Yields
         ------
         picture, taken
-            (H, W, 3) or None without picture, and when it was taken, in programme frames. It is not smoothed as its
-            coder meant it (`VideoReader`). Pictures that no other needs are not decoded where that makes it no earlier
-            than ``early_s``.
+            (H, W, 3) or None without picture, and when it was taken, in programme frames. What is scaled to half or
+            less is not smoothed as its coder meant it (`VideoReader`). Pictures that no other needs are not decoded
+            where that makes it no earlier than ``early_s``.
 
         Notes
         -----
         Of a simulated recording, 1080p at 30 frames a second with B-frames, decoding takes 0.60 of the time, 0.84 by
         the loop filter alone; scaled to 540 rows one pixel of 100,000 is more than 8 of 255 off, at most.
         """
-        rate, parts = self.camera(camera).rate, self.parts(camera)
-        skip = "NONREF" if _LEFT_OUT / rate <= early_s else ""
-        with closing(Decoder(parts, skip=skip, loop_filter=False, **self._decoding)) as decoder:
+        seen, parts = self.camera(camera), self.parts(camera)
+        skip = "NONREF" if _LEFT_OUT / seen.rate <= early_s else ""
+        how = {"skip": skip, "loop_filter": seen.size[1] < 2 * height, **self._decoding}
+        with closing(Decoder(parts, **how)) as decoder:
             for frame in frames:
                 shown = self.shown(camera, decoder, frame)
                 if shown is None:
                     yield None, float(frame)
                 else:
-                    taken = exact_programme_time(self.camera(camera), shown.camera_s) * self.rate
+                    taken = exact_programme_time(seen, shown.camera_s) * self.rate
                     yield self.picture(camera, shown, height), float(taken)
 
     def full_picture(self, camera: str, shown: DecodedFrame) -> Planes:

@@ -114,7 +114,7 @@ def _greys(
     for part in footage.parts(camera):
         if part.end_s <= start_s or part.begin_s >= stop_s:
             continue
-        with closing(VideoReader(part.facts, threads=1, loop_filter=False)) as reader:
+        with closing(VideoReader(part.facts, threads=1)) as reader:
             for time, frame in reader.read(max(part.facts.start_s, start_s - part.begin_s)):
                 own = part.begin_s + time
                 if own >= stop_s:
