@@ -137,14 +137,14 @@ def test_words_and_layout_are_no_code(tree: Path) -> None:
     assert keys() == before
 
 
-CODE = "import sys; from mcsl_core import code_keys; from mcsl_core.occlusion import consensus as used; print({})"
+CODE_OF = "from mcsl_core import code_keys as k; from mcsl_core.occlusion import consensus; print(k.code_of(consensus))"
 
 
 def test_keys_are_the_same_in_every_process() -> None:
     """Sets in the code stand in another order in each."""
     told = {
         subprocess.run(
-            [sys.executable, "-c", CODE.format("code_keys.code_of(used)")],
+            [sys.executable, "-c", CODE_OF],
             env={**os.environ, "PYTHONHASHSEED": seed},
             capture_output=True,
             check=True,
